@@ -1,0 +1,116 @@
+#include "assembly/discretization.hpp"
+
+#include <algorithm>
+
+#include "petsc_compatibility.hpp"
+
+namespace trefoil {
+
+Discretization::~Discretization() {
+  static_cast<void>(VecDestroy(&prescribed_));  // an error has nowhere to go from here
+}
+
+PetscErrorCode Discretization::set_up(Mesh &mesh, const HeldDofs &held) {
+  PetscSection section = nullptr;
+  PetscInt begin = 0, end = 0;
+  PetscScalar *value = nullptr;
+  PetscFunctionBeginUser;
+  mesh_ = &mesh;
+  const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(mesh.dm));
+  PetscCall(DMPlexGetChart(mesh.dm, &begin, &end));
+  PetscCall(PetscSectionCreate(comm, &section));
+  PetscCall(PetscSectionSetChart(section, begin, end));
+  const auto held_components = [&](PetscInt v) {
+    const auto first = held.held.begin() + 3 * v;
+    return static_cast<PetscInt>(std::count(first, first + 3, 1));
+  };
+  for (PetscInt v = 0; v < mesh.local_vertices(); ++v) {
+    PetscCall(PetscSectionSetDof(section, mesh.first_vertex + v, 3));
+    PetscCall(PetscSectionSetConstraintDof(section, mesh.first_vertex + v, held_components(v)));
+  }
+  PetscCall(PetscSectionSetUp(section));
+  PetscMPIInt wholly = 1;
+  for (PetscInt v = 0; v < mesh.local_vertices(); ++v) {
+    std::array<PetscInt, 3> component{};
+    PetscInt count = 0;
+    for (PetscInt i = 0; i < 3; ++i) {
+      if (held.held[static_cast<std::size_t>(3 * v + i)]) {
+        component[static_cast<std::size_t>(count++)] = i;
+      }
+    }
+    if (count) {
+      PetscCall(PetscSectionSetConstraintIndices(section, mesh.first_vertex + v, component.data()));
+    }
+    wholly = wholly && (count == 0 || count == 3);
+  }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &wholly, 1, MPI_INT, MPI_MIN, comm));
+  block_size_ = wholly ? 3 : 1;
+  PetscCall(DMSetLocalSection(mesh.dm, section));
+  PetscCall(PetscSectionDestroy(&section));
+  PetscCall(number_dofs(held));
+
+  PetscCall(DMCreateLocalVector(mesh.dm, &prescribed_));
+  PetscCall(VecGetArrayWrite(prescribed_, &value));
+  std::copy(held.value.begin(), held.value.end(), value);
+  PetscCall(VecRestoreArrayWrite(prescribed_, &value));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Discretization::number_dofs(const HeldDofs &held) {
+  PetscSection global = nullptr;
+  PetscInt owned = 0;
+  PetscFunctionBeginUser;
+  PetscCall(DMGetGlobalSection(mesh_->dm, &global));
+  global_dofs_.assign(held.held.size(), -1);
+  for (PetscInt v = 0; v < mesh_->local_vertices(); ++v) {
+    PetscInt next = 0;
+    PetscCall(PetscSectionGetOffset(global, mesh_->first_vertex + v, &next));
+    if (next < 0) next = -(next + 1);  // a ghost
+    for (PetscInt i = 0; i < 3; ++i) {
+      const auto dof = static_cast<std::size_t>(3 * v + i);
+      if (!held.held[dof]) global_dofs_[dof] = next++;
+    }
+  }
+  PetscCall(PetscSectionGetConstrainedStorageSize(global, &owned));
+  PetscCallMPI(MPI_Allreduce(&owned, &total_, 1, MPIU_INT, MPI_SUM,
+                             PetscObjectComm(reinterpret_cast<PetscObject>(mesh_->dm))));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Discretization::create_vector(Vec *x) const {
+  PetscFunctionBeginUser;
+  PetscCall(DMCreateGlobalVector(mesh_->dm, x));
+  PetscCall(VecSet(*x, 0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Discretization::get_local(Vec x, Vec *local, const PetscScalar **u) const {
+  PetscFunctionBeginUser;
+  PetscCall(DMGetLocalVector(mesh_->dm, local));
+  PetscCall(VecCopy(prescribed_, *local));
+  // Held entries have no global counterpart and keep their values.
+  PetscCall(DMGlobalToLocal(mesh_->dm, x, INSERT_VALUES, *local));
+  PetscCall(VecGetArrayRead(*local, u));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Discretization::restore_local(Vec *local, const PetscScalar **u) const {
+  PetscFunctionBeginUser;
+  PetscCall(VecRestoreArrayRead(*local, u));
+  PetscCall(DMRestoreLocalVector(mesh_->dm, local));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Discretization::add_to_global(Vec local, Vec global) const {
+  PetscFunctionBeginUser;
+  PetscCall(VecSet(global, 0));
+  PetscCall(DMLocalToGlobal(mesh_->dm, local, ADD_VALUES, global));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+double Discretization::bytes() const {
+  return static_cast<double>(global_dofs_.capacity() * sizeof(PetscInt) +
+                             mesh_->coordinates.size() * sizeof(PetscScalar));
+}
+
+}  // namespace trefoil

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <petscmat.h>
+
+#include <vector>
+
+#include "mesh/mesh.hpp"
+
+namespace trefoil {
+
+/// What a scene holds of each local vertex: 3 entries a vertex.
+struct HeldDofs {
+  std::vector<char> held;       ///< this component is prescribed
+  std::vector<double> value;    ///< its displacement; 0 where free
+};
+
+/// The unknowns of a mesh: displacements of the vertices, 3 a vertex, less those that are held.
+/// Vectors of unknowns are PETSc's global vectors of mesh.dm; local arrays hold 3 numbers for each
+/// local vertex, held ones and ghosts included.
+class Discretization {
+ public:
+  Discretization() = default;
+  Discretization(const Discretization &) = delete;
+  Discretization &operator=(const Discretization &) = delete;
+  ~Discretization();
+
+  /// Collective; once. Keeps a reference to `mesh`, which must outlive it.
+  PetscErrorCode set_up(Mesh &mesh, const HeldDofs &held);
+
+  /// A vector of unknowns, zero.
+  PetscErrorCode create_vector(Vec *x) const;
+
+  /// The empty matrix of the Hessian: AIJ with the pattern of the cells, block size 3 where every
+  /// vertex is wholly free or wholly held, rigid-body modes attached. Collective.
+  PetscErrorCode create_matrix(Mat *matrix) const;
+
+  /// Displacements of all local vertices: the unknowns of x, prescribed values where held.
+  /// Collective. Give the array back with restore_local().
+  PetscErrorCode get_local(Vec x, Vec *local, const PetscScalar **u) const;
+  PetscErrorCode restore_local(Vec *local, const PetscScalar **u) const;
+
+  /// Adds up local contributions, 3 a local vertex, into a vector of unknowns. Collective.
+  PetscErrorCode add_to_global(Vec local, Vec global) const;
+
+  /// Global number of each local dof, -1 where held.
+  [[nodiscard]] const std::vector<PetscInt> &global_dofs() const { return global_dofs_; }
+  [[nodiscard]] PetscInt total_dofs() const { return total_; }
+  [[nodiscard]] PetscInt block_size() const { return block_size_; }
+  [[nodiscard]] const Mesh &mesh() const { return *mesh_; }
+  [[nodiscard]] double bytes() const;
+
+ private:
+  PetscErrorCode number_dofs(const HeldDofs &held);
+  PetscErrorCode attach_rigid_body_modes(Mat matrix) const;
+  PetscErrorCode count_row_entries(std::vector<PetscInt> *diagonal,
+                                   std::vector<PetscInt> *off_diagonal) const;
+
+  Mesh *mesh_ = nullptr;
+  Vec prescribed_ = nullptr;  ///< local: values where held, 0 elsewhere
+  std::vector<PetscInt> global_dofs_;
+  PetscInt total_ = 0, block_size_ = 3;
+};
+
+/// Rigid-body modes at rest positions: translations 0..2 and rotations 3..5 about `centre`.
+/// @return component i of mode m at position p
+double rigid_body_mode(int m, int i, const double *p, const std::array<double, 3> &centre);
+
+}  // namespace trefoil

@@ -1,0 +1,187 @@
+#include "assembly/energy_functional.hpp"
+
+#include <algorithm>
+
+#include "assembly/hessian_assembler.hpp"
+#include "petsc_compatibility.hpp"
+
+namespace trefoil {
+namespace {
+
+PetscErrorCode sum_over_ranks(DM dm, EnergySums *sums) {
+  double values[2] = {sums->energy, sums->scale};
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, values, 2, MPI_DOUBLE, MPI_SUM,
+                             PetscObjectComm(reinterpret_cast<PetscObject>(dm))));
+  *sums = {values[0], values[1]};
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+}  // namespace
+
+PetscErrorCode EnergyFunctional::energy(Vec x, EnergySums *sums) const {
+  Vec local = nullptr;
+  const PetscScalar *u = nullptr;
+  PetscFunctionBeginUser;
+  *sums = {};
+  PetscCall(discretization_.get_local(x, &local, &u));
+  for (const auto &term : terms_) term->add_energy(u, sums);
+  PetscCall(discretization_.restore_local(&local, &u));
+  PetscCall(sum_over_ranks(discretization_.mesh().dm, sums));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode EnergyFunctional::energy_at_rest(double *energy) const {
+  EnergySums sums;
+  PetscFunctionBeginUser;
+  const std::vector<double> u(discretization_.mesh().coordinates.size(), 0);
+  for (const auto &term : terms_) term->add_energy(u.data(), &sums);
+  PetscCall(sum_over_ranks(discretization_.mesh().dm, &sums));
+  *energy = sums.energy;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode EnergyFunctional::gradient(Vec x, Vec g) const {
+  const DM dm = discretization_.mesh().dm;
+  Vec local = nullptr, forces = nullptr;
+  const PetscScalar *u = nullptr;
+  PetscScalar *force = nullptr;
+  PetscFunctionBeginUser;
+  PetscCall(discretization_.get_local(x, &local, &u));
+  PetscCall(DMGetLocalVector(dm, &forces));
+  PetscCall(VecSet(forces, 0));
+  PetscCall(VecGetArray(forces, &force));
+  for (const auto &term : terms_) term->add_gradient(u, force);
+  PetscCall(VecRestoreArray(forces, &force));
+  PetscCall(discretization_.add_to_global(forces, g));
+  PetscCall(DMRestoreLocalVector(dm, &forces));
+  PetscCall(discretization_.restore_local(&local, &u));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode EnergyFunctional::hessian(Vec x, Mat H, Mat *negative,
+                                         TrefoilSplitStatistics *statistics) const {
+  const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(H));
+  Vec local = nullptr;
+  const PetscScalar *u = nullptr;
+  PetscFunctionBeginUser;
+  PetscCall(discretization_.get_local(x, &local, &u));
+  PetscCall(MatZeroEntries(H));
+  if (negative && *negative) PetscCall(MatZeroEntries(*negative));
+  HessianAssembler assembler(discretization_, H, negative ? *negative : nullptr, statistics);
+  assembler.set_filtering(negative != nullptr);
+  for (const auto &term : terms_) PetscCall(term->add_hessian(u, assembler));
+  PetscCall(assembler.flush());
+  PetscCall(MatAssemblyBegin(H, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatAssemblyEnd(H, MAT_FINAL_ASSEMBLY));
+
+  if (negative && !*negative) {
+    // N is made when the first element is indefinite, with H's pattern, which is known by now.
+    PetscInt64 indefinite = statistics->indefinite;
+    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &indefinite, 1, MPIU_INT64, MPI_SUM, comm));
+    if (indefinite > 0) {
+      TrefoilSplitStatistics again{};
+      PetscCall(MatDuplicate(H, MAT_DO_NOT_COPY_VALUES, negative));
+      HessianAssembler second(discretization_, nullptr, *negative, &again);
+      for (const auto &term : terms_) PetscCall(term->add_hessian(u, second));
+      PetscCall(second.flush());
+      statistics->filter_seconds += again.filter_seconds;
+    }
+  }
+  if (negative && *negative) {
+    PetscCall(MatAssemblyBegin(*negative, MAT_FINAL_ASSEMBLY));
+    PetscCall(MatAssemblyEnd(*negative, MAT_FINAL_ASSEMBLY));
+  }
+  PetscCall(discretization_.restore_local(&local, &u));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode EnergyFunctional::describe_cells(Vec x, CellReport *report) const {
+  Vec local = nullptr;
+  const PetscScalar *u = nullptr;
+  TrefoilSplitStatistics ignored{};
+  PetscFunctionBeginUser;
+  const auto cells = static_cast<std::size_t>(discretization_.mesh().local_cells());
+  report->determinant.assign(cells, 1);
+  report->energy_density.assign(cells, 0);
+  report->negative_eigenvalues.clear();
+  PetscCall(discretization_.get_local(x, &local, &u));
+  HessianAssembler counter(discretization_, nullptr, nullptr, &ignored);
+  counter.keep_counts(&report->negative_eigenvalues);
+  for (const auto &term : terms_) {
+    term->describe_cells(u, report->determinant.data(), report->energy_density.data());
+    PetscCall(term->add_hessian(u, counter));
+  }
+  PetscCall(counter.flush());
+  report->negative_eigenvalues.resize(cells, 0);
+  PetscCall(discretization_.restore_local(&local, &u));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode EnergyFunctional::count_inverted(Vec x, PetscInt64 *inverted) const {
+  Vec local = nullptr;
+  const PetscScalar *u = nullptr;
+  const auto cells = static_cast<std::size_t>(discretization_.mesh().local_cells());
+  std::vector<double> determinant(cells, 1), energy_density(cells, 0);
+  PetscFunctionBeginUser;
+  PetscCall(discretization_.get_local(x, &local, &u));
+  for (const auto &term : terms_) {
+    term->describe_cells(u, determinant.data(), energy_density.data());
+  }
+  PetscCall(discretization_.restore_local(&local, &u));
+  *inverted = std::count_if(determinant.begin(), determinant.end(),
+                            [](double det) { return !(det > 0); });
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, inverted, 1, MPIU_INT64, MPI_SUM,
+                             PetscObjectComm(reinterpret_cast<PetscObject>(x))));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+double EnergyFunctional::bytes() const {
+  double sum = 0;
+  for (const auto &term : terms_) sum += term->bytes();
+  return sum;
+}
+
+namespace {
+
+PetscErrorCode objective(SNES, Vec x, PetscReal *energy, void *ctx) {
+  EnergySums sums;
+  PetscFunctionBeginUser;
+  PetscCall(static_cast<EnergyFunctional *>(ctx)->energy(x, &sums));
+  *energy = sums.energy;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode residual(SNES, Vec x, Vec g, void *ctx) {
+  PetscFunctionBeginUser;
+  PetscCall(static_cast<EnergyFunctional *>(ctx)->gradient(x, g));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode split_hessian(SNES, Vec x, Mat H, Mat *negative, TrefoilSplitStatistics *statistics,
+                             void *ctx) {
+  PetscFunctionBeginUser;
+  PetscCall(static_cast<EnergyFunctional *>(ctx)->hessian(x, H, negative, statistics));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode energy_scale(SNES, Vec x, PetscReal *scale, void *ctx) {
+  EnergySums sums;
+  PetscFunctionBeginUser;
+  PetscCall(static_cast<EnergyFunctional *>(ctx)->energy(x, &sums));
+  *scale = sums.scale;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+}  // namespace
+
+PetscErrorCode EnergyFunctional::attach(SNES snes, Mat H) {
+  PetscFunctionBeginUser;
+  PetscCall(SNESSetObjective(snes, objective, this));
+  PetscCall(SNESSetFunction(snes, nullptr, residual, this));
+  PetscCall(TrefoilSNESSetSplitJacobian(snes, H, split_hessian, this));
+  PetscCall(TrefoilSNESSetEnergyScale(snes, energy_scale, this));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+}  // namespace trefoil

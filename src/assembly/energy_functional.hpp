@@ -1,0 +1,50 @@
+#pragma once
+
+#include <petscsnes.h>
+
+#include <memory>
+#include <vector>
+
+#include "assembly/discretization.hpp"
+#include "term/term.hpp"
+#include "trefoil.h"
+
+namespace trefoil {
+
+/// The energy of a scene, a sum of terms on one discretization, as SNES wants it: objective,
+/// gradient, and Hessian with its element-wise negative part.
+class EnergyFunctional {
+ public:
+  explicit EnergyFunctional(const Discretization &discretization)
+      : discretization_(discretization) {}
+
+  void add_term(std::unique_ptr<Term> term) { terms_.push_back(std::move(term)); }
+
+  /// f(x) and its size free of rest offsets (see EnergySums). Collective.
+  PetscErrorCode energy(Vec x, EnergySums *sums) const;
+  /// The energy of the undeformed body, held dofs at rest as well. Collective.
+  PetscErrorCode energy_at_rest(double *energy) const;
+  /// The gradient of f, for the unknowns. Collective.
+  PetscErrorCode gradient(Vec x, Vec g) const;
+  /// H, and N in *negative (see TrefoilSplitJacobianFunction, whose contract this is). Collective.
+  PetscErrorCode hessian(Vec x, Mat H, Mat *negative, TrefoilSplitStatistics *statistics) const;
+
+  /// For each local cell: det F, energy density and number of negative eigenvalues of its Hessian.
+  struct CellReport {
+    std::vector<double> determinant, energy_density, negative_eigenvalues;
+  };
+  PetscErrorCode describe_cells(Vec x, CellReport *report) const;
+  /// Cells with det F <= 0, over all ranks. Collective.
+  PetscErrorCode count_inverted(Vec x, PetscInt64 *inverted) const;
+
+  /// Gives SNES the callbacks. Collective; this object must outlive the SNES.
+  PetscErrorCode attach(SNES snes, Mat H);
+
+  [[nodiscard]] double bytes() const;
+
+ private:
+  const Discretization &discretization_;
+  std::vector<std::unique_ptr<Term>> terms_;
+};
+
+}  // namespace trefoil

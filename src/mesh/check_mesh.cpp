@@ -1,0 +1,180 @@
+#include "check_mesh.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace trefoil {
+namespace {
+
+using Point = std::array<double, 3>;
+
+enum class RestShape { good, degenerate, negative };
+
+Point minus(const Point &a, const Point &b) {
+  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+
+double determinant(const Point &a, const Point &b, const Point &c) {
+  return a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) +
+         a[2] * (b[0] * c[1] - b[1] * c[0]);
+}
+
+// The power of two that brings the largest of `values` into [1/2, 1): scaling by it rounds nothing.
+template <class Values>
+int scaling_exponent(const Values &values) {
+  double largest = 0;
+  for (const double value : values) largest = std::max(largest, std::abs(value));
+  int exponent = 0;
+  std::frexp(largest, &exponent);
+  return -exponent;
+}
+
+// The corners of a tetrahedron in units in which neither its volume nor its edges can over- or
+// underflow.
+std::array<Point, 4> scaled_corners(const CellList &mesh, std::size_t tetrahedron) {
+  std::array<double, 12> entries;
+  for (std::size_t corner = 0; corner < 4; ++corner) {
+    const auto vertex = static_cast<std::size_t>(mesh.cells[4 * tetrahedron + corner]);
+    for (std::size_t component = 0; component < 3; ++component)
+      entries[3 * corner + component] = mesh.coordinates[3 * vertex + component];
+  }
+  const int exponent = scaling_exponent(entries);
+  std::array<Point, 4> corners;
+  for (std::size_t entry = 0; entry < 12; ++entry)
+    corners[entry / 3][entry % 3] = std::ldexp(entries[entry], exponent);
+  return corners;
+}
+
+double longest_edge(const std::array<Point, 4> &corners) {
+  double longest = 0;
+  for (std::size_t end = 1; end < 4; ++end)
+    for (std::size_t start = 0; start < end; ++start) {
+      const Point edge = minus(corners[end], corners[start]);
+      longest = std::max(longest, std::hypot(edge[0], edge[1], edge[2]));
+    }
+  return longest;
+}
+
+RestShape rest_shape(const CellList &mesh, std::size_t tetrahedron) {
+  constexpr double flatness = 1e-14;  // some fifty roundings of the determinant
+  const std::array<Point, 4> x = scaled_corners(mesh, tetrahedron);
+  const double six_volumes = determinant(minus(x[1], x[0]), minus(x[2], x[0]), minus(x[3], x[0]));
+  const double longest = longest_edge(x);
+  // Written so that a NaN counts as degenerate.
+  if (!(std::abs(six_volumes) > flatness * longest * longest * longest))
+    return RestShape::degenerate;
+  return six_volumes < 0 ? RestShape::negative : RestShape::good;
+}
+
+// "2 tetrahedra are degenerate", "1 tetrahedron is of negative volume"
+std::string counted(PetscInt count, const std::string &property) {
+  return std::to_string(count) + (count == 1 ? " tetrahedron is " : " tetrahedra are ") + property;
+}
+
+[[noreturn]] void fail_for_rest_shape(const CellList &mesh, const RestCheck &check,
+                                      const std::string &name) {
+  const bool is_turned_round = check.negative == mesh.size();
+  throw InputError(name + ": " + counted(check.degenerate, "degenerate") + " and " +
+                   counted(check.negative, "of negative volume") + ", the first is tetrahedron " +
+                   std::to_string(check.first) +
+                   (is_turned_round
+                        ? "; the whole mesh is oriented the other way round, so swap two vertices "
+                          "of every tetrahedron"
+                        : "; mend the mesh, or leave them out with -mesh_repair drop"));
+}
+
+void drop_bad_tetrahedra(CellList &mesh) {
+  std::size_t kept = 0;
+  const auto tetrahedra = static_cast<std::size_t>(mesh.size());
+  for (std::size_t tetrahedron = 0; tetrahedron < tetrahedra; ++tetrahedron) {
+    if (rest_shape(mesh, tetrahedron) != RestShape::good) continue;
+    std::copy_n(mesh.cells.begin() + static_cast<std::ptrdiff_t>(4 * tetrahedron), 4,
+                mesh.cells.begin() + static_cast<std::ptrdiff_t>(4 * kept++));
+  }
+  mesh.cells.resize(4 * kept);
+}
+
+bool all_vertices_coincide(const CellList &mesh) {
+  const auto dim = static_cast<std::size_t>(mesh.dim);
+  for (std::size_t entry = dim; entry < mesh.coordinates.size(); ++entry)
+    if (mesh.coordinates[entry] != mesh.coordinates[entry % dim]) return false;
+  return true;
+}
+
+}  // namespace
+
+PetscInt drop_unused_vertices(CellList &mesh) {
+  constexpr PetscInt unused = -1;
+  const PetscInt before = mesh.vertices();
+  const auto dim = static_cast<std::size_t>(mesh.dim);
+
+  std::vector<PetscInt> new_number(static_cast<std::size_t>(before), unused);
+  for (const PetscInt vertex : mesh.cells) new_number[static_cast<std::size_t>(vertex)] = 0;
+
+  PetscInt after = 0;
+  for (std::size_t vertex = 0; vertex < new_number.size(); ++vertex) {
+    if (new_number[vertex] == unused) continue;
+    const auto target = static_cast<std::size_t>(after);
+    for (std::size_t component = 0; component < dim; ++component)
+      mesh.coordinates[dim * target + component] = mesh.coordinates[dim * vertex + component];
+    new_number[vertex] = after++;
+  }
+  mesh.coordinates.resize(dim * static_cast<std::size_t>(after));
+  for (PetscInt &vertex : mesh.cells) vertex = new_number[static_cast<std::size_t>(vertex)];
+  return before - after;
+}
+
+RestCheck check_rest_shape(const CellList &mesh) {
+  RestCheck check;
+  for (PetscInt tetrahedron = 0; tetrahedron < mesh.size(); ++tetrahedron) {
+    const RestShape shape = rest_shape(mesh, static_cast<std::size_t>(tetrahedron));
+    if (shape == RestShape::good) continue;
+    if (check.bad() == 0) check.first = tetrahedron + 1;
+    ++(shape == RestShape::negative ? check.negative : check.degenerate);
+  }
+  return check;
+}
+
+PetscInt repair_rest_shape(CellList &mesh, Repair repair, const std::string &name) {
+  if (mesh.size() == 0) throw InputError(name + ": has no tetrahedra; give a volume mesh");
+  const RestCheck check = check_rest_shape(mesh);
+  if (check.bad() == 0) return 0;
+  if (repair == Repair::none) fail_for_rest_shape(mesh, check, name);
+  if (check.bad() == mesh.size())
+    throw InputError(name + ": nothing is left with -mesh_repair drop, because " +
+                     counted(check.degenerate, "degenerate") + " and " +
+                     counted(check.negative, "of negative volume") + "; mend the mesh");
+  drop_bad_tetrahedra(mesh);
+  return check.bad();
+}
+
+void normalize(CellList &mesh) {
+  if (mesh.vertices() == 0) throw InputError("the mesh to normalize has no vertices; give another");
+  if (all_vertices_coincide(mesh))
+    throw InputError(
+        "all vertices of the mesh to normalize are one point, so it has no size; give another "
+        "mesh or leave -mesh_normalize out");
+
+  // First into units in which neither the mean nor the largest distance can overflow.
+  const int exponent = scaling_exponent(mesh.coordinates);
+  for (double &coordinate : mesh.coordinates) coordinate = std::ldexp(coordinate, exponent);
+
+  const auto dim = static_cast<std::size_t>(mesh.dim);
+  Point mean{};
+  for (std::size_t entry = 0; entry < mesh.coordinates.size(); ++entry)
+    mean[entry % dim] += mesh.coordinates[entry];
+  for (double &component : mean) component /= mesh.vertices();
+  for (std::size_t entry = 0; entry < mesh.coordinates.size(); ++entry)
+    mesh.coordinates[entry] -= mean[entry % dim];
+
+  double largest = 0;
+  for (std::size_t entry = 0; entry < mesh.coordinates.size(); entry += dim) {
+    Point vertex{};
+    std::copy_n(mesh.coordinates.begin() + static_cast<std::ptrdiff_t>(entry), dim, vertex.begin());
+    largest = std::max(largest, std::hypot(vertex[0], vertex[1], vertex[2]));
+  }
+  for (double &coordinate : mesh.coordinates) coordinate /= largest;
+}
+
+}  // namespace trefoil

@@ -1,0 +1,182 @@
+#include <algorithm>
+#include <limits>
+#include <numeric>
+
+#include "mesh/mesh.hpp"
+#include "petsc_compatibility.hpp"
+
+namespace trefoil {
+namespace {
+
+/// This rank's cells (global vertex numbers) and its even share of the vertices.
+struct Share {
+  std::vector<PetscInt> cells;
+  std::vector<double> coordinates;
+};
+
+/// Sends rank r `counts[r]` consecutive entries of `all`, which only the first rank has.
+template <class T>
+PetscErrorCode scatter(MPI_Comm comm, MPI_Datatype type, const std::vector<T> &all,
+                       const std::vector<PetscMPIInt> &counts, std::vector<T> *mine) {
+  PetscMPIInt rank = 0, count = 0;
+  std::vector<PetscMPIInt> offsets(counts.size(), 0);
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Comm_rank(comm, &rank));
+  std::exclusive_scan(counts.begin(), counts.end(), offsets.begin(), 0);
+  PetscCallMPI(MPI_Scatter(counts.data(), 1, MPI_INT, &count, 1, MPI_INT, 0, comm));
+  mine->resize(static_cast<std::size_t>(count));
+  PetscCallMPI(MPI_Scatterv(all.data(), counts.data(), offsets.data(), type, mine->data(), count,
+                            type, 0, comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode send_shares(MPI_Comm comm, const CellList &whole, const Partition &partition,
+                           Share *share) {
+  PetscMPIInt rank = 0, ranks = 0;
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Comm_rank(comm, &rank));
+  PetscCallMPI(MPI_Comm_size(comm, &ranks));
+  const auto parts = static_cast<std::size_t>(ranks);
+  std::vector<PetscMPIInt> corner_counts(parts, 0), coordinate_counts(parts, 0);
+  std::vector<PetscInt> sorted;
+  if (rank == 0) {
+    for (PetscInt p : partition.rank_of_cell) {
+      corner_counts[static_cast<std::size_t>(p)] += whole.corners;
+    }
+    std::vector<std::size_t> next(parts, 0);
+    std::exclusive_scan(corner_counts.begin(), corner_counts.end(), next.begin(), std::size_t{0});
+    sorted.resize(whole.cells.size());
+    auto corner = whole.cells.begin();
+    for (PetscInt p : partition.rank_of_cell) {
+      auto &position = next[static_cast<std::size_t>(p)];
+      std::copy_n(corner, whole.corners, sorted.begin() + static_cast<std::ptrdiff_t>(position));
+      position += static_cast<std::size_t>(whole.corners);
+      corner += whole.corners;
+    }
+    const PetscInt vertices = whole.vertices();
+    for (PetscInt p = 0; p < ranks; ++p) {
+      coordinate_counts[static_cast<std::size_t>(p)] =
+          whole.dim * (vertices / ranks + (p < vertices % ranks));
+    }
+  }
+  PetscCall(scatter(comm, MPIU_INT, sorted, corner_counts, &share->cells));
+  PetscCall(scatter(comm, MPI_DOUBLE, whole.coordinates, coordinate_counts, &share->coordinates));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Uniform refinement works on a mesh with edges and faces; they are made for it and thrown away.
+PetscErrorCode refine_uniformly(DM *dm) {
+  DM interpolated = nullptr, refined = nullptr;
+  PetscFunctionBeginUser;
+  PetscCall(DMPlexInterpolate(*dm, &interpolated));
+  PetscCall(DMDestroy(dm));
+  PetscCall(DMPlexSetRefinementUniform(interpolated, PETSC_TRUE));
+  PetscCall(DMRefine(interpolated, PetscObjectComm(reinterpret_cast<PetscObject>(interpolated)),
+                     &refined));
+  PetscCall(DMDestroy(&interpolated));
+  PetscCall(DMPlexUninterpolate(refined, dm));
+  PetscCall(DMPlexCopyCoordinates(refined, *dm));
+  PetscCall(DMDestroy(&refined));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode take_coordinates(Mesh *mesh) {
+  Vec coordinates = nullptr;
+  const PetscScalar *values = nullptr;
+  PetscInt size = 0;
+  PetscFunctionBeginUser;
+  PetscCall(DMGetCoordinatesLocal(mesh->dm, &coordinates));
+  PetscCall(VecGetLocalSize(coordinates, &size));
+  PetscCall(VecGetArrayRead(coordinates, &values));
+  mesh->coordinates.assign(values, values + size);
+  PetscCall(VecRestoreArrayRead(coordinates, &values));
+
+  std::array<double, 6> box;  // minima, then negated maxima, so that one reduction serves both
+  box.fill(std::numeric_limits<double>::infinity());
+  for (std::size_t i = 0; i < mesh->coordinates.size(); ++i) {
+    box[i % 3] = std::min(box[i % 3], mesh->coordinates[i]);
+    box[3 + i % 3] = std::min(box[3 + i % 3], -mesh->coordinates[i]);
+  }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, box.data(), 6, MPI_DOUBLE, MPI_MIN,
+                             PetscObjectComm(reinterpret_cast<PetscObject>(mesh->dm))));
+  for (std::size_t i = 0; i < 3; ++i) {
+    mesh->box_min[i] = box[i];
+    mesh->box_max[i] = -box[3 + i];
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode take_vertex_numbers(Mesh *mesh) {
+  IS numbering = nullptr;
+  const PetscInt *number = nullptr;
+  PetscInt begin = 0, end = 0;
+  PetscFunctionBeginUser;
+  PetscCall(DMPlexGetDepthStratum(mesh->dm, 0, &begin, &end));
+  mesh->first_vertex = begin;
+  PetscCall(DMPlexGetVertexNumbering(mesh->dm, &numbering));
+  PetscCall(ISGetIndices(numbering, &number));
+  for (PetscInt v = 0; v < end - begin; ++v) {
+    // DMPlex marks the vertices of other ranks by -(number + 1).
+    mesh->owned.push_back(number[v] >= 0);
+    mesh->global_vertex.push_back(number[v] >= 0 ? number[v] : -(number[v] + 1));
+  }
+  PetscCall(ISRestoreIndices(numbering, &number));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Corners as the DMPlex has them, which for a mesh from a cell list is the order of the file.
+PetscErrorCode take_cells(Mesh *mesh) {
+  PetscInt begin = 0, end = 0;
+  PetscFunctionBeginUser;
+  PetscCall(DMPlexGetHeightStratum(mesh->dm, 0, &begin, &end));
+  mesh->cells.reserve(static_cast<std::size_t>(4 * (end - begin)));
+  for (PetscInt c = begin; c < end; ++c) {
+    const PetscInt *corner = nullptr;
+    PetscCall(DMPlexGetCone(mesh->dm, c, &corner));
+    for (int a = 0; a < 4; ++a) mesh->cells.push_back(corner[a] - mesh->first_vertex);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode count_totals(MPI_Comm comm, Mesh *mesh) {
+  PetscMPIInt ranks = 0;
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Comm_size(comm, &ranks));
+  PetscInt mine[2] = {mesh->local_cells(), static_cast<PetscInt>(std::count(
+                                               mesh->owned.begin(), mesh->owned.end(), 1))};
+  PetscInt totals[2] = {0, 0}, largest = 0;
+  PetscCallMPI(MPI_Allreduce(mine, totals, 2, MPIU_INT, MPI_SUM, comm));
+  PetscCallMPI(MPI_Allreduce(mine, &largest, 1, MPIU_INT, MPI_MAX, comm));
+  mesh->total_cells = totals[0];
+  mesh->total_vertices = totals[1];
+  mesh->imbalance = static_cast<double>(largest) * ranks / static_cast<double>(totals[0]);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+}  // namespace
+
+PetscErrorCode distribute_mesh(MPI_Comm comm, const CellList &whole,
+                               const std::string &partitioner, PetscInt refine, Mesh *mesh) {
+  Partition partition;
+  Share share;
+  PetscFunctionBeginUser;
+  PetscCall(partition_cells(comm, whole, partitioner, &partition));
+  PetscCallMPI(MPI_Bcast(&partition.edge_cut, 1, MPIU_INT, 0, comm));
+  mesh->edge_cut = partition.edge_cut;
+  PetscCall(send_shares(comm, whole, partition, &share));
+  PetscCall(DMPlexCreateFromCellListParallelPetsc(
+      comm, 3, static_cast<PetscInt>(share.cells.size()) / 4,
+      static_cast<PetscInt>(share.coordinates.size()) / 3, PETSC_DECIDE, 4, PETSC_FALSE,
+      share.cells.data(), 3, share.coordinates.data(), nullptr, nullptr, &mesh->dm));
+  for (PetscInt level = 0; level < refine; ++level) {
+    PetscCall(refine_uniformly(&mesh->dm));
+    mesh->edge_cut *= 4;
+  }
+  PetscCall(take_vertex_numbers(mesh));
+  PetscCall(take_coordinates(mesh));
+  PetscCall(take_cells(mesh));
+  PetscCall(count_totals(comm, mesh));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+}  // namespace trefoil

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "cell_list.hpp"
+#include "mesh_file.hpp"
+
+namespace trefoil {
+
+/// Reads a Gmsh mesh, MSH 2.2 or 4.1, ASCII or binary: its nodes and its tetrahedra of type 4.
+/// Elements of lower dimension and other sections are skipped, other volume elements are an
+/// InputError. Format: C. Geuzaine, J.-F. Remacle, "Gmsh reference manual", chapter "File formats".
+CellList read_gmsh(MeshFile &file);
+
+// What follows is shared by the readers of the two versions.
+
+/// The numbers of a Gmsh file, whether written as text or in binary.
+class GmshNumbers {
+ public:
+  GmshNumbers(MeshFile &file, bool is_binary) : file_(file), is_binary_(is_binary) {}
+
+  [[nodiscard]] MeshFile &file() const { return file_; }
+  [[nodiscard]] bool is_binary() const { return is_binary_; }
+
+  /// What the manual calls int, size_t and double: 4, 8 and 8 bytes in a binary file.
+  std::int64_t integer(const char *what);
+  std::int64_t size(const char *what);
+  double real(const char *what);
+  /// The number of items announced by `count`, each of at least `numbers` numbers that take
+  /// `bytes` bytes in a binary file; InputError if the file has no room for them.
+  std::int64_t checked_count(std::int64_t count, std::size_t numbers, std::size_t bytes,
+                             const char *what);
+
+ private:
+  MeshFile &file_;
+  bool is_binary_;
+};
+
+/// A tetrahedron as the file has it: its own tag and the tags of its nodes.
+struct GmshTetrahedron {
+  std::int64_t tag;
+  std::array<std::int64_t, 4> nodes;
+};
+
+/// What the sections $Nodes and $Elements say.
+struct GmshContents {
+  std::vector<std::int64_t> node_tags;
+  std::vector<double> coordinates;  ///< nodes x 3
+  std::vector<GmshTetrahedron> tetrahedra;
+};
+
+constexpr std::int64_t gmsh_tetrahedron = 4;
+
+/// The number of nodes of an element of a Gmsh type; InputError if the type is unknown, or if it
+/// is a volume element other than the linear tetrahedron.
+int nodes_of_element(const MeshFile &file, std::int64_t type);
+
+/// Reads a finite coordinate of node `tag`.
+double read_coordinate(GmshNumbers &numbers, std::int64_t tag);
+
+/// Read what stands between $Nodes and $EndNodes, $Elements and $EndElements.
+void read_nodes_2_2(GmshNumbers &numbers, GmshContents &contents);
+void read_elements_2_2(GmshNumbers &numbers, GmshContents &contents);
+void read_nodes_4_1(GmshNumbers &numbers, GmshContents &contents);
+void read_elements_4_1(GmshNumbers &numbers, GmshContents &contents);
+
+}  // namespace trefoil

@@ -1,0 +1,145 @@
+#include <metis.h>
+#include <petscpartitioner.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "mesh/mesh.hpp"
+#include "petsc_compatibility.hpp"
+
+namespace trefoil {
+namespace {
+
+/// Which cells share a face, as compressed rows.
+struct DualGraph {
+  std::vector<PetscInt> start{0}, neighbour;
+};
+
+DualGraph dual_graph(const CellList &mesh) {
+  idx_t cells = mesh.size(), vertices = mesh.vertices(), common = mesh.dim, base = 0;
+  std::vector<idx_t> begin(static_cast<std::size_t>(cells) + 1);
+  for (std::size_t c = 0; c < begin.size(); ++c) begin[c] = static_cast<idx_t>(c) * mesh.corners;
+  std::vector<idx_t> corner(mesh.cells.begin(), mesh.cells.end());
+  idx_t *rows = nullptr, *columns = nullptr;
+  DualGraph graph;
+  if (METIS_MeshToDual(&cells, &vertices, begin.data(), corner.data(), &common, &base, &rows,
+                       &columns) == METIS_OK) {
+    graph.start.assign(rows, rows + cells + 1);
+    graph.neighbour.assign(columns, columns + rows[cells]);
+    METIS_Free(rows);
+    METIS_Free(columns);
+  }
+  return graph;
+}
+
+std::vector<PetscInt> metis_parts(const DualGraph &graph, PetscInt parts) {
+  idx_t cells = static_cast<idx_t>(graph.start.size()) - 1, balances = 1, count = parts, cut = 0;
+  std::vector<idx_t> start(graph.start.begin(), graph.start.end());
+  std::vector<idx_t> neighbour(graph.neighbour.begin(), graph.neighbour.end());
+  std::vector<idx_t> part(static_cast<std::size_t>(cells), 0);
+  // Recursive bisection balances few parts better; k-way is faster for many.
+  auto *divide = parts <= 8 ? METIS_PartGraphRecursive : METIS_PartGraphKway;
+  divide(&cells, &balances, start.data(), neighbour.data(), nullptr, nullptr, nullptr, &count,
+         nullptr, nullptr, nullptr, &cut, part.data());
+  return {part.begin(), part.end()};
+}
+
+/// A part without cells gets one from the largest part, so that every rank has work.
+void fill_empty_parts(std::vector<PetscInt> &part, PetscInt parts) {
+  std::vector<PetscInt> size(static_cast<std::size_t>(parts), 0);
+  for (PetscInt p : part) ++size[static_cast<std::size_t>(p)];
+  for (auto empty = size.begin(); (empty = std::find(empty, size.end(), 0)) != size.end();) {
+    const auto largest = std::max_element(size.begin(), size.end());
+    *std::find(part.begin(), part.end(), largest - size.begin()) = empty - size.begin();
+    --*largest;
+    ++*empty;
+  }
+}
+
+PetscInt count_cut_faces(const DualGraph &graph, const std::vector<PetscInt> &part) {
+  PetscInt cut = 0;
+  for (std::size_t c = 0; c + 1 < graph.start.size(); ++c) {
+    for (PetscInt e = graph.start[c]; e < graph.start[c + 1]; ++e) {
+      cut += part[c] < part[static_cast<std::size_t>(graph.neighbour[static_cast<std::size_t>(e)])];
+    }
+  }
+  return cut;
+}
+
+/// PETSc's partitioners work on a graph that is spread over the ranks: an even share of rows each.
+PetscErrorCode petsc_parts(MPI_Comm comm, const std::string &name, const DualGraph &graph,
+                           std::vector<PetscInt> *part) {
+  PetscPartitioner partitioner = nullptr;
+  PetscSection sizes = nullptr;
+  IS order = nullptr;
+  PetscMPIInt rank = 0, ranks = 0;
+  std::vector<PetscInt> rows(graph.start), columns(graph.neighbour);
+
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Comm_rank(comm, &rank));
+  PetscCallMPI(MPI_Comm_size(comm, &ranks));
+  PetscCall(PetscPartitionerCreate(comm, &partitioner));
+  PetscCall(PetscPartitionerSetType(partitioner, name.c_str()));
+  PetscCall(PetscPartitionerSetFromOptions(partitioner));
+  PetscCall(PetscSectionCreate(comm, &sizes));
+  const auto cells = static_cast<PetscInt>(rows.size()) - 1;
+  // All rows are on the first rank; the result lists this rank's rows by the part they go to.
+  PetscCall(PetscPartitionerPartition(partitioner, ranks, cells, rows.data(), columns.data(),
+                                      nullptr, nullptr, sizes, &order));
+  if (rank == 0) {
+    const PetscInt *cell = nullptr;
+    PetscCall(ISGetIndices(order, &cell));
+    part->assign(static_cast<std::size_t>(cells), 0);
+    for (PetscInt p = 0; p < ranks; ++p) {
+      PetscInt count = 0, offset = 0;
+      PetscCall(PetscSectionGetDof(sizes, p, &count));
+      PetscCall(PetscSectionGetOffset(sizes, p, &offset));
+      for (PetscInt i = 0; i < count; ++i) (*part)[static_cast<std::size_t>(cell[offset + i])] = p;
+    }
+    PetscCall(ISRestoreIndices(order, &cell));
+  }
+  PetscCall(ISDestroy(&order));
+  PetscCall(PetscSectionDestroy(&sizes));
+  PetscCall(PetscPartitionerDestroy(&partitioner));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+}  // namespace
+
+PetscErrorCode partition_cells(MPI_Comm comm, const CellList &whole,
+                               const std::string &partitioner, Partition *partition) {
+  PetscMPIInt rank = 0, ranks = 0;
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Comm_rank(comm, &rank));
+  PetscCallMPI(MPI_Comm_size(comm, &ranks));
+  PetscInt cells = rank == 0 ? whole.size() : 0;
+  PetscCallMPI(MPI_Bcast(&cells, 1, MPIU_INT, 0, comm));
+  PetscCheck(ranks <= cells, comm, PETSC_ERR_USER_INPUT,
+             "there are more ranks (%d) than tetrahedra (%" PetscInt_FMT
+             "); start fewer ranks or refine the mesh",
+             ranks, cells);
+  if (ranks == 1) {
+    partition->rank_of_cell.assign(static_cast<std::size_t>(cells), 0);
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  DualGraph graph;
+  if (rank == 0) graph = dual_graph(whole);
+  if (partitioner == "metis") {
+    if (rank == 0) partition->rank_of_cell = metis_parts(graph, ranks);
+  } else {
+    PetscErrorCode (*create)(PetscPartitioner) = nullptr;
+    PetscCall(PetscPartitionerInitializePackage());
+    PetscCall(PetscFunctionListFind(PetscPartitionerList, partitioner.c_str(), &create));
+    PetscCheck(create, comm, PETSC_ERR_USER_INPUT,
+               "there is no partitioner '%s' (-mesh_partitioner); use metis or ptscotch",
+               partitioner.c_str());
+    PetscCall(petsc_parts(comm, partitioner, graph, &partition->rank_of_cell));
+  }
+  if (rank == 0) {
+    fill_empty_parts(partition->rank_of_cell, ranks);
+    partition->edge_cut = count_cut_faces(graph, partition->rank_of_cell);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+}  // namespace trefoil

@@ -1,0 +1,144 @@
+#include "scene/option_reader.hpp"
+
+#include <algorithm>
+#include <numeric>
+#include <sstream>
+
+#include "petsc_compatibility.hpp"
+
+namespace trefoil {
+namespace {
+
+/// Number of single-letter changes from one word to the other (Levenshtein's distance).
+std::size_t distance(const std::string &a, const std::string &b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t above = row[j];
+      row[j] = std::min({above + 1, row[j - 1] + 1, diagonal + (a[i - 1] != b[j - 1])});
+      diagonal = above;
+    }
+  }
+  return row.back();
+}
+
+}  // namespace
+
+OptionReader::OptionReader(MPI_Comm comm) : comm_(comm) {
+  PetscBool help = PETSC_FALSE;
+  static_cast<void>(PetscOptionsHasHelp(nullptr, &help));
+  help_ = help == PETSC_TRUE;
+}
+
+PetscErrorCode OptionReader::find(const std::string &name, const std::string &help,
+                                  const std::string &default_text, const char **value,
+                                  bool *found) {
+  PetscBool set = PETSC_FALSE;
+  PetscFunctionBeginUser;
+  known_.insert(name);
+  // Not PetscOptionsGetString: it cuts a long expression off without a word.
+  PetscCall(PetscOptionsFindPair(nullptr, nullptr, ("-" + name).c_str(), value, &set));
+  *found = set == PETSC_TRUE;
+  if (help_) {
+    PetscCall(PetscPrintf(comm_, "  -%s: <%s> %s\n", name.c_str(), default_text.c_str(),
+                          help.c_str()));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode OptionReader::text(const std::string &name, const std::string &help,
+                                  std::string *value) {
+  const char *given = nullptr;
+  bool found = false;
+  PetscFunctionBeginUser;
+  PetscCall(find(name, help, *value, &given, &found));
+  if (found) *value = given ? given : "";
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode OptionReader::number(const std::string &name, const std::string &help,
+                                    double *value) {
+  const char *given = nullptr;
+  bool found = false;
+  PetscFunctionBeginUser;
+  std::ostringstream default_text;
+  default_text << *value;
+  PetscCall(find(name, help, default_text.str(), &given, &found));
+  if (!found) PetscFunctionReturn(PETSC_SUCCESS);
+  std::istringstream words(given ? given : "");
+  double read = 0;
+  words >> read;
+  PetscCheck(!words.fail() && (words >> std::ws).eof(), comm_, PETSC_ERR_USER_INPUT,
+             "-%s is '%s', which is not a number", name.c_str(), given ? given : "");
+  *value = read;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode OptionReader::integer(const std::string &name, const std::string &help,
+                                     PetscInt *value) {
+  auto read = static_cast<double>(*value);
+  PetscFunctionBeginUser;
+  PetscCall(number(name, help, &read));
+  *value = static_cast<PetscInt>(read);
+  PetscCheck(static_cast<double>(*value) == read, comm_, PETSC_ERR_USER_INPUT,
+             "-%s is %g, which is not a whole number", name.c_str(), read);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode OptionReader::flag(const std::string &name, const std::string &help, bool *value) {
+  const char *given = nullptr;
+  bool found = false;
+  PetscFunctionBeginUser;
+  PetscCall(find(name, help, *value ? "true" : "false", &given, &found));
+  if (!found) PetscFunctionReturn(PETSC_SUCCESS);
+  std::string word = given ? given : "";
+  std::transform(word.begin(), word.end(), word.begin(), [](unsigned char letter) {
+    return static_cast<char>(std::tolower(letter));
+  });
+  const bool yes = word.empty() || word == "true" || word == "yes" || word == "1" || word == "on";
+  const bool no = word == "false" || word == "no" || word == "0" || word == "off";
+  PetscCheck(yes || no, comm_, PETSC_ERR_USER_INPUT, "-%s is '%s', which is neither true nor false",
+             name.c_str(), word.c_str());
+  *value = yes;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode OptionReader::names(const std::string &name, const std::string &help,
+                                   std::vector<std::string> *value) {
+  std::string list;
+  PetscFunctionBeginUser;
+  PetscCall(text(name, help, &list));
+  std::replace(list.begin(), list.end(), ',', ' ');
+  std::istringstream words(list);
+  for (std::string word; words >> word;) value->push_back(word);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode OptionReader::refuse_unknown(const std::vector<std::string> &prefixes) const {
+  PetscInt count = 0;
+  char **unused_names = nullptr, **unused_values = nullptr;
+  PetscFunctionBeginUser;
+  PetscCall(PetscOptionsLeftGet(nullptr, &count, &unused_names, &unused_values));
+  std::string culprit;
+  for (PetscInt i = 0; i < count && culprit.empty(); ++i) {
+    const std::string option = unused_names[i];
+    const bool ours = std::any_of(prefixes.begin(), prefixes.end(), [&](const std::string &prefix) {
+      return option.rfind(prefix, 0) == 0;
+    });
+    if (ours && !known_.count(option)) culprit = option;
+  }
+  PetscCall(PetscOptionsLeftRestore(nullptr, &count, &unused_names, &unused_values));
+  if (culprit.empty()) PetscFunctionReturn(PETSC_SUCCESS);
+  const auto nearest =
+      std::min_element(known_.begin(), known_.end(), [&](const auto &a, const auto &b) {
+        return distance(a, culprit) < distance(b, culprit);
+      });
+  SETERRQ(comm_, PETSC_ERR_USER_INPUT,
+          "there is no option -%s here; did you mean -%s? (-help lists all)", culprit.c_str(),
+          nearest->c_str());
+}
+
+}  // namespace trefoil

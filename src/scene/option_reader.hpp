@@ -1,0 +1,41 @@
+#pragma once
+
+#include <petscsys.h>
+
+#include <set>
+#include <string>
+#include <vector>
+
+namespace trefoil {
+
+/// Reads a scene's options from PETSc's database, prints them for -help, and remembers which names
+/// exist, so that a misspelt one can be told from a right one.
+class OptionReader {
+ public:
+  explicit OptionReader(MPI_Comm comm);
+
+  /// Each returns PETSC_ERR_USER_INPUT with a sentence where the value cannot be read.
+  /// @param name without the leading dash, for example "mesh_file"
+  /// @param value the default, replaced where the option is given
+  PetscErrorCode text(const std::string &name, const std::string &help, std::string *value);
+  PetscErrorCode number(const std::string &name, const std::string &help, double *value);
+  PetscErrorCode integer(const std::string &name, const std::string &help, PetscInt *value);
+  PetscErrorCode flag(const std::string &name, const std::string &help, bool *value);
+  /// Names, separated by commas or spaces.
+  PetscErrorCode names(const std::string &name, const std::string &help,
+                       std::vector<std::string> *value);
+
+  /// Refuses options that begin with one of `prefixes` and were never asked for, and suggests the
+  /// nearest name. Call it when all have been read.
+  PetscErrorCode refuse_unknown(const std::vector<std::string> &prefixes) const;
+
+ private:
+  PetscErrorCode find(const std::string &name, const std::string &help,
+                      const std::string &default_text, const char **value, bool *found);
+
+  MPI_Comm comm_;
+  bool help_ = false;
+  std::set<std::string> known_;
+};
+
+}  // namespace trefoil

@@ -1,0 +1,108 @@
+#include "scene/scene.hpp"
+
+#include <petsctime.h>
+
+#include "material/stable_neo_hookean.hpp"
+#include "mesh/check_mesh.hpp"
+#include "mesh/generate.hpp"
+#include "mesh/read_mesh.hpp"
+#include "petsc_compatibility.hpp"
+#include "scene/collective_error.hpp"
+#include "scene/constraints.hpp"
+#include "term/elastic_term.hpp"
+
+namespace trefoil {
+namespace {
+
+std::string mesh_name(const SceneOptions &options) {
+  return options.mesh_file.empty() ? "generated " + options.generate : options.mesh_file;
+}
+
+/// The whole mesh, on the first rank, ready to be distributed. Throws InputError.
+CellList prepare_mesh(const SceneOptions &options, PetscInt *unused, PetscInt *dropped) {
+  CellList whole = options.mesh_file.empty()
+                       ? generate_mesh(options.generate, options.resolution, options.refine)
+                       : read_mesh(options.mesh_file);
+  const Repair repair = options.repair == "drop" ? Repair::drop : Repair::none;
+  *dropped = repair_rest_shape(whole, repair, mesh_name(options));
+  *unused = drop_unused_vertices(whole);
+  if (options.normalize) normalize(whole);
+  return whole;
+}
+
+PetscErrorCode load_mesh(MPI_Comm comm, const SceneOptions &options, Mesh *mesh) {
+  PetscMPIInt rank = 0, ranks = 0;
+  PetscInt unused = 0, dropped = 0;
+  CellList whole;
+  std::string complaint;
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Comm_rank(comm, &rank));
+  PetscCallMPI(MPI_Comm_size(comm, &ranks));
+  if (rank == 0) {
+    complaint = complaint_of([&] { whole = prepare_mesh(options, &unused, &dropped); });
+  }
+  PetscCall(agree_on_complaint(comm, complaint));
+  if (dropped) {
+    PetscCall(PetscPrintf(comm, "dropped %" PetscInt_FMT " tetrahedra without positive volume\n",
+                          dropped));
+  }
+  if (unused) {
+    PetscCall(PetscPrintf(comm, "dropped %" PetscInt_FMT " vertices that no tetrahedron uses\n",
+                          unused));
+  }
+  // A generated mesh was refined where it was generated, true to its curved boundary.
+  const PetscInt refine = options.mesh_file.empty() ? 0 : options.refine;
+  PetscCall(distribute_mesh(comm, whole, options.partitioner, refine, mesh));
+  PetscCall(PetscPrintf(comm, "mesh: %s, %" PetscInt_FMT " vertices, %" PetscInt_FMT " tetrahedra",
+                        mesh_name(options).c_str(), mesh->total_vertices, mesh->total_cells));
+  if (ranks > 1) {
+    PetscCall(PetscPrintf(comm, " on %d ranks, edge cut %" PetscInt_FMT ", imbalance %.3f", ranks,
+                          mesh->edge_cut, mesh->imbalance));
+  }
+  PetscCall(PetscPrintf(comm, "\n"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// The elastic term of the material that the options name.
+std::unique_ptr<Term> make_elastic_term(const SceneOptions &options, const Mesh &mesh) {
+  const ElasticConstants constants{options.young, options.poisson};
+  const auto lame =
+      options.lame == "raw" ? StableNeoHookean::Lame::raw : StableNeoHookean::Lame::physical;
+  return std::make_unique<ElasticTerm<StableNeoHookean>>(mesh, StableNeoHookean(constants, lame));
+}
+
+}  // namespace
+
+Scene::~Scene() {
+  static_cast<void>(VecDestroy(&displacement));  // errors have nowhere to go from here
+  static_cast<void>(MatDestroy(&hessian));
+}
+
+PetscErrorCode build_scene(MPI_Comm comm, const SceneOptions &options, Scene *scene) {
+  HeldDofs held;
+  PetscLogDouble begin = 0, loaded = 0, end = 0;
+  PetscFunctionBeginUser;
+  scene->options = options;
+  PetscCall(PetscTime(&begin));
+  PetscCall(load_mesh(comm, options, &scene->mesh));
+  PetscCall(PetscTime(&loaded));
+  PetscCall(hold_vertices(scene->mesh, options.constraints, 1, &held));
+  PetscCall(check_rigid_body_modes(scene->mesh, held));
+  PetscCall(scene->discretization.set_up(scene->mesh, held));
+  PetscCheck(scene->discretization.total_dofs() > 0, comm, PETSC_ERR_USER_INPUT,
+             "the constraints hold every vertex; nothing is left to solve for");
+  if (scene->discretization.block_size() == 1) {
+    PetscCall(PetscPrintf(comm, "some vertices are held in single components: matrix block size "
+                                "1, with which algebraic multigrid is slower\n"));
+  }
+  scene->functional = std::make_unique<EnergyFunctional>(scene->discretization);
+  scene->functional->add_term(make_elastic_term(options, scene->mesh));
+  PetscCall(scene->discretization.create_vector(&scene->displacement));
+  PetscCall(scene->discretization.create_matrix(&scene->hessian));
+  PetscCall(PetscTime(&end));
+  scene->read_seconds = loaded - begin;
+  scene->setup_seconds = end - loaded;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+}  // namespace trefoil

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <memory>
+
+#include "assembly/energy_functional.hpp"
+#include "scene/scene_options.hpp"
+
+namespace trefoil {
+
+/// A scene, built: what its options name, and nothing else. Members are destroyed in reverse order.
+struct Scene {
+  SceneOptions options;
+  Mesh mesh;
+  Discretization discretization;
+  std::unique_ptr<EnergyFunctional> functional;
+  Mat hessian = nullptr;
+  Vec displacement = nullptr;  ///< the unknowns; the start, later the solution
+  double read_seconds = 0, setup_seconds = 0;
+
+  ~Scene();
+};
+
+/// Reads or generates the mesh, distributes it, holds what is held, makes the terms and matrices.
+/// Collective; input that makes no scene is an error with one sentence on all ranks.
+PetscErrorCode build_scene(MPI_Comm comm, const SceneOptions &options, Scene *scene);
+
+}  // namespace trefoil

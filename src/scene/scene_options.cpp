@@ -1,0 +1,103 @@
+#include "scene/scene_options.hpp"
+
+#include <array>
+
+#include "petsc_compatibility.hpp"
+#include "scene/option_reader.hpp"
+
+namespace trefoil {
+namespace {
+
+PetscErrorCode read_constraints(MPI_Comm comm, OptionReader &reader, SceneOptions *options) {
+  std::vector<std::string> names;
+  PetscFunctionBeginUser;
+  PetscCall(reader.names("constraints", "Names of the constraints, separated by commas", &names));
+  for (const std::string &name : names) {
+    ConstraintOptions constraint{name, "", "0, 0, 0"};
+    PetscCall(reader.text("constraint_" + name + "_where",
+                          "Which vertices: an expression in x y z t xmin..zmax",
+                          &constraint.where));
+    PetscCall(reader.text("constraint_" + name + "_move",
+                          "Their displacement: three expressions, or free", &constraint.move));
+    PetscCheck(!constraint.where.empty(), comm, PETSC_ERR_USER_INPUT,
+               "constraint '%s' has no -constraint_%s_where: say which vertices it takes",
+               name.c_str(), name.c_str());
+    options->constraints.push_back(constraint);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode check_choice(MPI_Comm comm, const char *option, const std::string &value,
+                            std::initializer_list<const char *> choices) {
+  std::string list;
+  PetscFunctionBeginUser;
+  for (const char *choice : choices) {
+    if (value == choice) PetscFunctionReturn(PETSC_SUCCESS);
+    list += (list.empty() ? "" : ", ") + std::string(choice);
+  }
+  SETERRQ(comm, PETSC_ERR_USER_INPUT, "-%s knows no '%s'; it knows: %s", option, value.c_str(),
+          list.c_str());
+}
+
+PetscErrorCode check_values(MPI_Comm comm, const SceneOptions &options) {
+  PetscFunctionBeginUser;
+  PetscCheck(options.mesh_file.empty() != options.generate.empty(), comm, PETSC_ERR_USER_INPUT,
+             "a scene has one mesh: give either -mesh_file or -mesh_generate");
+  PetscCall(check_choice(comm, "mesh_repair", options.repair, {"none", "drop"}));
+  PetscCheck(options.refine >= 0 && options.resolution >= 0, comm, PETSC_ERR_USER_INPUT,
+             "-mesh_refine and -mesh_resolution must not be negative");
+  PetscCheck(options.resolution == 0 || options.mesh_file.empty(), comm, PETSC_ERR_USER_INPUT,
+             "-mesh_resolution is for generated meshes; use -mesh_refine for a mesh from a file");
+  PetscCall(check_choice(comm, "material_model", options.model, {"stable_neo_hookean"}));
+  PetscCall(check_choice(comm, "material_lame", options.lame, {"physical", "raw"}));
+  PetscCheck(options.young > 0 && options.young < 1e300, comm, PETSC_ERR_USER_INPUT,
+             "-material_young is %g; Young's modulus must be positive", options.young);
+  PetscCheck(options.poisson > -1 && options.poisson < 0.5, comm, PETSC_ERR_USER_INPUT,
+             "-material_poisson is %g; Poisson's ratio must lie above -1 and below 0.5",
+             options.poisson);
+  PetscCheck(options.lame == "physical" || options.poisson > 0, comm, PETSC_ERR_USER_INPUT,
+             "-material_lame raw needs a positive Poisson's ratio, not %g", options.poisson);
+  PetscCall(check_choice(comm, "initial", options.initial, {"rest"}));
+  PetscCheck(options.order == 1, comm, PETSC_ERR_USER_INPUT,
+             "-order is %" PetscInt_FMT "; only linear elements (1) are there yet", options.order);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+}  // namespace
+
+PetscErrorCode read_scene_options(MPI_Comm comm, SceneOptions *options) {
+  OptionReader reader(comm);
+  PetscFunctionBeginUser;
+  PetscCall(reader.text("mesh_file", "Tetrahedra: Medit .mesh, or Gmsh .msh 2.2 or 4.1",
+                        &options->mesh_file));
+  PetscCall(reader.text("mesh_generate", "A generated mesh: knot, box, cylinder or ball",
+                        &options->generate));
+  PetscCall(reader.integer("mesh_resolution", "Cells across a generated mesh; 0: 2-5 thousand",
+                           &options->resolution));
+  PetscCall(reader.integer("mesh_refine", "How often to halve all edges", &options->refine));
+  PetscCall(reader.flag("mesh_normalize", "Centre the vertices and scale the farthest to norm 1",
+                        &options->normalize));
+  PetscCall(reader.text("mesh_repair", "Tetrahedra without positive volume: none, or drop",
+                        &options->repair));
+  PetscCall(reader.text("mesh_partitioner", "metis, or a partitioner of PETSc such as ptscotch",
+                        &options->partitioner));
+  PetscCall(reader.text("material_model", "stable_neo_hookean", &options->model));
+  PetscCall(reader.number("material_young", "Young's modulus, force per area", &options->young));
+  PetscCall(reader.number("material_poisson", "Poisson's ratio", &options->poisson));
+  PetscCall(reader.text("material_lame",
+                        "physical: E and nu of small strains; raw: the paper's constants",
+                        &options->lame));
+  PetscCall(read_constraints(comm, reader, options));
+  PetscCall(reader.text("initial", "Start: rest, prescribed vertices already moved",
+                        &options->initial));
+  PetscCall(reader.integer("order", "Polynomial order of the elements", &options->order));
+  PetscCall(reader.text("output_file", "Result for ParaView, an .xdmf file",
+                        &options->output_file));
+  PetscCall(reader.text("snes_trefoil_record", "JSON record of the run", &options->record_file));
+  PetscCall(reader.refuse_unknown({"mesh_", "material_", "constraint", "initial", "order",
+                                   "output_"}));
+  PetscCall(check_values(comm, *options));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+}  // namespace trefoil

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <petscsys.h>
+
+#include <string>
+#include <vector>
+
+namespace trefoil {
+
+/// Part of a boundary condition: which vertices, and where they go.
+struct ConstraintOptions {
+  std::string name;
+  std::string where;  ///< expression, non-zero at the vertices it takes
+  std::string move;   ///< expression with three values: displacement, or `free`
+};
+
+/// A scene as the user describes it, see read_scene_options() for the names of the options.
+struct SceneOptions {
+  std::string mesh_file, generate;
+  PetscInt resolution = 0, refine = 0;
+  bool normalize = false;
+  std::string repair = "none", partitioner = "metis";
+  std::string model = "stable_neo_hookean", lame = "physical";
+  double young = 1e6, poisson = 0.45;
+  std::vector<ConstraintOptions> constraints;
+  std::string initial = "rest";
+  PetscInt order = 1;
+  std::string output_file;
+  std::string record_file;  ///< -snes_trefoil_record; the program completes and writes it
+};
+
+/// Reads the scene from PETSc's options. Misspelt names and values out of range are errors with one
+/// sentence on all ranks. Collective.
+PetscErrorCode read_scene_options(MPI_Comm comm, SceneOptions *options);
+
+}  // namespace trefoil

@@ -1,0 +1,145 @@
+#include "scene/solve.hpp"
+
+#include "petsc_compatibility.hpp"
+#include "snes/solve_context.hpp"
+
+namespace trefoil {
+namespace {
+
+PetscErrorCode is_set(const char *option, bool *set) {
+  PetscBool found = PETSC_FALSE;
+  PetscFunctionBeginUser;
+  PetscCall(PetscOptionsHasName(nullptr, nullptr, option, &found));
+  *set = found == PETSC_TRUE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Whether the options leave the Jacobian as it is, so that it may be indefinite.
+PetscErrorCode jacobian_may_be_indefinite(bool *may) {
+  std::array<char, 256> type{"trefoil"}, filter{"adaptive"};
+  PetscReal weight = 1;
+  PetscFunctionBeginUser;
+  PetscCall(PetscOptionsGetString(nullptr, nullptr, "-snes_type", type.data(), type.size(), nullptr));
+  PetscCall(PetscOptionsGetString(nullptr, nullptr, "-snes_linesearch_type", type.data(),
+                                  type.size(), nullptr));
+  PetscCall(PetscOptionsGetString(nullptr, nullptr, "-snes_trefoil_filter", filter.data(),
+                                  filter.size(), nullptr));
+  PetscCall(PetscOptionsGetReal(nullptr, nullptr, "-snes_trefoil_weight", &weight, nullptr));
+  const std::string name = filter.data();
+  *may = std::string(type.data()) != "trefoil" || name == "newton" ||
+         (name == "constant" && weight < 0.5);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// A direct solver for symmetric matrices: CHOLMOD on one rank, MUMPS on several, and MUMPS where
+/// the matrix may be indefinite, which it survives and CHOLMOD does not. With a preconditioner of
+/// the user's, conjugate gradients.
+PetscErrorCode set_default_linear_solver(SNES snes) {
+  KSP ksp = nullptr;
+  PC pc = nullptr;
+  PetscMPIInt ranks = 0;
+  bool preconditioner_set = false, multigrid_option_set = false, may_be_indefinite = false;
+  PetscFunctionBeginUser;
+  PetscCall(SNESGetKSP(snes, &ksp));
+  PetscCall(KSPGetPC(ksp, &pc));
+  PetscCall(is_set("-pc_type", &preconditioner_set));
+  PetscCall(is_set("-pc_gamg_reuse_interpolation", &multigrid_option_set));
+  if (preconditioner_set) {
+    PetscCall(KSPSetType(ksp, KSPCG));
+    PetscCall(KSPSetTolerances(ksp, 1e-8, PETSC_DEFAULT, PETSC_DEFAULT, 2000));
+    // Reused coarse spaces of the last Jacobian make the second one look indefinite (PETSc 3.18).
+    if (!multigrid_option_set) {
+      std::array<char, 64> type{};
+      PetscCall(PetscOptionsGetString(nullptr, nullptr, "-pc_type", type.data(), type.size(),
+                                      nullptr));
+      if (std::string(type.data()) == PCGAMG) {
+        PetscCall(PetscOptionsSetValue(nullptr, "-pc_gamg_reuse_interpolation", "false"));
+      }
+    }
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCallMPI(MPI_Comm_size(PetscObjectComm(reinterpret_cast<PetscObject>(snes)), &ranks));
+  PetscCall(jacobian_may_be_indefinite(&may_be_indefinite));
+  PetscCall(KSPSetType(ksp, KSPPREONLY));
+  PetscCall(PCSetType(pc, PCCHOLESKY));
+#if defined(PETSC_HAVE_SUITESPARSE)
+  if (ranks == 1 && !may_be_indefinite) {
+    PetscCall(PCFactorSetMatSolverType(pc, MATSOLVERCHOLMOD));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+#endif
+#if defined(PETSC_HAVE_MUMPS)
+  PetscCall(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
+#endif
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode set_defaults(SNES snes) {
+  SolveContext *context = nullptr;
+  PetscReal absolute = 0, step = 0;
+  PetscInt iterations = 0, functions = 0;
+  PetscFunctionBeginUser;
+  PetscCall(SNESSetType(snes, SNESTREFOIL));
+  // The residual at the start is that of crushed elements: no measure for the one at the end.
+  PetscCall(SNESGetTolerances(snes, &absolute, nullptr, &step, &iterations, &functions));
+  PetscCall(SNESSetTolerances(snes, absolute, 0, step, iterations, functions));
+  PetscCall(get_solve_context(snes, &context));
+  context->options.monitor = true;
+  PetscCall(set_default_linear_solver(snes));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// CHOLMOD raises an error where a matrix is not positive definite; to a user that is a solve that
+/// did not converge.
+PetscErrorCode solve(SNES snes, Vec x) {
+  SolveContext *context = nullptr;
+  PetscFunctionBeginUser;
+  const PetscErrorCode error = SNESSolve(snes, nullptr, x);
+  if (error == PETSC_ERR_MAT_CH_ZRPVT || error == PETSC_ERR_MAT_LU_ZRPVT) {
+    PetscCall(get_solve_context(snes, &context));
+    context->summary.reason = "the linear solver met a matrix that is not positive definite";
+    PetscCall(SNESSetConvergedReason(snes, SNES_DIVERGED_LINEAR_SOLVE));
+    PetscCall(end_solve(*context));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(error);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+}  // namespace
+
+PetscErrorCode solve_scene(Scene &scene, SolveOutcome *outcome) {
+  const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(scene.mesh.dm));
+  SNES snes = nullptr;
+  SolveContext *context = nullptr;
+  SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
+  EnergySums start, end;
+  PetscFunctionBeginUser;
+  PetscCall(SNESCreate(comm, &snes));
+  PetscCall(scene.functional->attach(snes, scene.hessian));
+  PetscCall(set_defaults(snes));
+  PetscCall(SNESSetFromOptions(snes));
+  PetscCall(get_solve_context(snes, &context));
+  PetscCall(set_options(*context));       // also where another type of SNES does not read them
+  context->options.record_file.clear();   // the program writes it, completed
+
+  PetscCall(scene.functional->energy_at_rest(&outcome->energy_rest));
+  PetscCall(scene.functional->count_inverted(scene.displacement, &outcome->inverted_at_start));
+  PetscCall(scene.functional->energy(scene.displacement, &start));
+  PetscCheck(std::isfinite(start.energy), comm, PETSC_ERR_USER_INPUT,
+             "the energy of the start is not finite (%lld elements are inverted); check the "
+             "constraints' displacements",
+             static_cast<long long>(outcome->inverted_at_start));
+
+  PetscCall(solve(snes, scene.displacement));
+  PetscCall(SNESGetConvergedReason(snes, &reason));
+  outcome->converged = reason > 0;
+  outcome->plugin_record = context->record;
+  PetscCall(scene.functional->energy(scene.displacement, &end));
+  outcome->energy_scale = end.scale;
+  PetscCall(scene.functional->count_inverted(scene.displacement, &outcome->inverted));
+  PetscCall(SNESDestroy(&snes));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+}  // namespace trefoil

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <limits>
+
+namespace trefoil {
+
+/// One Newton iteration as everybody sees it: rule, monitor, stop test and JSON record read this
+/// struct and nothing else. Not-a-number stands for "does not apply".
+struct IterationRecord {
+  static constexpr double none = std::numeric_limits<double>::quiet_NaN();
+
+  int k = 0;                  ///< iteration number, from 0
+  double energy = none;       ///< f(x_k), before the step
+  double gradient_norm = 0;   ///< ||g(x_k)||_2
+  double weight = 0;          ///< w of the filtered Jacobian H + 2 w N
+  double rho = none;          ///< trust-region ratio of the step taken
+  double step = 0;            ///< step length taken along the direction; 0: none
+  int trials = 0;             ///< energies evaluated at trial points
+  double decrement = none;    ///< |g'd| / 2 of the full direction d, energy units
+  double indefinite = 0;      ///< share of the elements with a negative eigenvalue, 0..1
+  int linear_iterations = 0;  ///< of the Krylov solver
+  double seconds = 0;         ///< since the solve began
+};
+
+}  // namespace trefoil

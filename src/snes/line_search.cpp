@@ -1,0 +1,345 @@
+/*
+   The line search `trefoil`. It is called with the direction d = -Y that the filtered Jacobian
+   gave, decides whether the solve ends here, and otherwise takes a step along d:
+
+     stop test on the Newton decrement |g'd| / 2, before the step is taken
+     s = 1, 0.8, 0.64, ...  until  f(x + s d) <= f(x) + c s g'd           (Armijo)
+     rho = (f(x) - f(x + u)) / -(g'u + u'Hu/2),   u = s d                 (trust-region ratio)
+
+   with u'Hu = u'(H + 2 w N) u - 2 w u'N u: the unfiltered model costs two products, no assembly.
+*/
+#include <petsc/private/linesearchimpl.h>
+#include <petsc/private/snesimpl.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "petsc_compatibility.hpp"
+#include "snes/solve_context.hpp"
+
+namespace trefoil {
+namespace {
+
+/// What the search knows of the line x + s d.
+struct Line {
+  Vec x, residual, minus_d;         ///< residual = g(x)
+  Vec trial, trial_residual;        ///< work: x + s d and, once `trial_residual_known`, g there
+  double energy = 0, slope = 0;     ///< f(x), g(x)'d
+  double step = 0, trial_energy = 0;
+  double trial_slope = 0;           ///< g(x + s d)'d, once known
+  bool trial_residual_known = false;
+  int trials = 0;
+};
+
+/// Differences of energies below this are rounding: a sum over many elements of terms of f's size.
+double energy_noise(const Line &line) {
+  return 8 * PETSC_MACHINE_EPSILON * std::max(std::abs(line.energy), std::abs(line.trial_energy));
+}
+
+PetscErrorCode evaluate_trial_residual(SolveContext &context, Line &line) {
+  PetscScalar slope = 0;
+  PetscFunctionBeginUser;
+  if (line.trial_residual_known) PetscFunctionReturn(PETSC_SUCCESS);
+  const Phase phase = context.clock.switch_to(Phase::assembly);
+  PetscCall(SNESComputeFunction(context.snes, line.trial, line.trial_residual));
+  context.clock.switch_to(phase);
+  PetscCall(VecDot(line.trial_residual, line.minus_d, &slope));
+  line.trial_slope = -PetscRealPart(slope);
+  line.trial_residual_known = true;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// f(x + s d) - f(x). Where the difference drowns in rounding, from the slopes at both ends
+/// (trapezoidal rule, exact to third order in the step), which keep their digits.
+PetscErrorCode energy_change(SolveContext &context, Line &line, double predicted, double *change) {
+  PetscFunctionBeginUser;
+  *change = line.trial_energy - line.energy;
+  // A ratio to the prediction is wanted to three digits.
+  if (std::abs(predicted) < 1e3 * energy_noise(line)) {
+    PetscCall(evaluate_trial_residual(context, line));
+    *change = 0.5 * line.step * (line.slope + line.trial_slope);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Backtracks from `first_step` until the energy has decreased enough; infinite or undefined
+/// energies count as no decrease.
+PetscErrorCode backtrack(SolveContext &context, Line &line, double first_step, PetscInt most_trials,
+                         bool *accepted) {
+  const SolverOptions &options = context.options;
+  PetscFunctionBeginUser;
+  *accepted = false;
+  line.step = first_step;
+  for (line.trials = 1; line.trials <= most_trials; ++line.trials) {
+    PetscReal energy = 0;
+    double change = 0;
+    PetscCall(VecWAXPY(line.trial, -line.step, line.minus_d, line.x));
+    PetscCall(SNESComputeObjective(context.snes, line.trial, &energy));
+    line.trial_energy = energy;
+    line.trial_residual_known = false;
+    if (std::isfinite(line.trial_energy)) {
+      PetscCall(energy_change(context, line, line.step * line.slope, &change));
+      *accepted = change <= options.armijo * line.step * line.slope;
+      if (*accepted) PetscFunctionReturn(PETSC_SUCCESS);
+    }
+    if (line.trials < most_trials) line.step *= options.shrink;
+  }
+  line.trials = static_cast<int>(most_trials);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// u'Hu of the unfiltered Hessian for the full direction d; the Mats still hold it at the old x.
+PetscErrorCode unfiltered_curvature(SolveContext &context, const Line &line, Vec work,
+                                    double *curvature) {
+  Mat filtered = nullptr;
+  PetscScalar product = 0;
+  PetscFunctionBeginUser;
+  PetscCall(SNESGetJacobian(context.snes, nullptr, &filtered, nullptr, nullptr));
+  PetscCall(MatMult(filtered, line.minus_d, work));
+  PetscCall(VecDot(work, line.minus_d, &product));
+  *curvature = PetscRealPart(product);
+  if (context.negative_present) {
+    PetscCall(MatMult(context.negative, line.minus_d, work));
+    PetscCall(VecDot(work, line.minus_d, &product));
+    *curvature -= 2 * context.current.weight * PetscRealPart(product);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// How well the unfiltered quadratic model at x predicted the energy of the step taken.
+PetscErrorCode trust_region_ratio(SolveContext &context, Line &line, double curvature,
+                                  double *rho) {
+  const double s = line.step;
+  const double predicted = s * line.slope + 0.5 * s * s * curvature;
+  double change = 0;
+  PetscFunctionBeginUser;
+  PetscCall(energy_change(context, line, predicted, &change));
+  *rho = predicted != 0 ? change / predicted : IterationRecord::none;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Ends the solve with `reason`, x as it is, and closes the history.
+PetscErrorCode finish(SolveContext &context, SNESLineSearch search, SNESConvergedReason reason) {
+  PetscFunctionBeginUser;
+  context.snes->reason = reason;
+  PetscCall(SNESLineSearchSetReason(
+      search, reason > 0 ? SNES_LINESEARCH_SUCCEEDED : SNES_LINESEARCH_FAILED_REDUCT));
+  context.history.push_back(context.current);
+  PetscCall(monitor_iteration(context, context.current));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Factors of a symmetric matrix tell how many eigenvalues are negative; -1 where nobody counted.
+PetscErrorCode negative_pivots(SNES snes, PetscInt *count) {
+  KSP ksp = nullptr;
+  PC pc = nullptr;
+  PetscBool cholesky = PETSC_FALSE;
+  PetscFunctionBeginUser;
+  *count = -1;
+  PetscCall(SNESGetKSP(snes, &ksp));
+  PetscCall(KSPGetPC(ksp, &pc));
+  PetscCall(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(pc), PCCHOLESKY, &cholesky));
+#if defined(PETSC_HAVE_MUMPS)
+  if (cholesky) {
+    Mat factor = nullptr;
+    MatSolverType solver = nullptr;
+    PetscBool mumps = PETSC_FALSE;
+    PetscCall(PCFactorGetMatrix(pc, &factor));
+    PetscCall(MatFactorGetSolverType(factor, &solver));
+    PetscCall(PetscStrcmp(solver, MATSOLVERMUMPS, &mumps));
+    if (mumps) PetscCall(MatMumpsGetInfog(factor, 12, count));
+  }
+#endif
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Newton's plain direction from an indefinite Hessian may descend by luck; say what it is instead.
+PetscErrorCode refuse_bad_direction(SolveContext &context, SNESLineSearch search, double slope,
+                                    bool *refused) {
+  PetscInt negative = -1;
+  PetscFunctionBeginUser;
+  *refused = false;
+  if (!std::isfinite(slope) || !std::isfinite(context.current.energy)) {
+    context.summary.reason = "the energy or the direction is not finite";
+    PetscCall(finish(context, search, SNES_DIVERGED_FNORM_NAN));
+    *refused = true;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  if (context.current.weight < 0.5) PetscCall(negative_pivots(context.snes, &negative));
+  if (negative > 0 || slope > 0) {
+    context.summary.reason =
+        context.current.weight < 0.5
+            ? "the Hessian is indefinite and the filter leaves it so; filter adaptive, absolute "
+              "or clamp do not"
+            : "the direction ascends: the linear solve is too inexact or the residual is no "
+              "gradient of the objective";
+    PetscCall(finish(context, search, SNES_DIVERGED_LINEAR_SOLVE));
+    *refused = true;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Goes to the accepted trial: x, energy, residual and the norms that SNES asks for.
+PetscErrorCode take_step(SolveContext &context, SNESLineSearch search, Line &line) {
+  PetscBool changed_direction = PETSC_FALSE, changed_point = PETSC_FALSE;
+  PetscFunctionBeginUser;
+  PetscCall(SNESLineSearchPostCheck(search, line.x, line.minus_d, line.trial, &changed_direction,
+                                    &changed_point));
+  if (changed_direction && !changed_point) {
+    PetscCall(VecWAXPY(line.trial, -line.step, line.minus_d, line.x));
+  }
+  if (changed_direction || changed_point) line.trial_residual_known = false;
+  PetscCall(evaluate_trial_residual(context, line));
+  PetscCall(VecCopy(line.trial, line.x));
+  PetscCall(VecCopy(line.trial_residual, line.residual));
+  if (!changed_direction && !changed_point) {
+    PetscCall(remember_energy(context, line.x, line.trial_energy));
+  }
+  PetscCall(SNESLineSearchSetLambda(search, line.step));
+  PetscCall(SNESLineSearchComputeNorms(search));
+  // SNES wants the norm of the step taken, not of the full direction.
+  PetscReal x_norm = 0, residual_norm = 0, d_norm = 0;
+  PetscCall(SNESLineSearchGetNorms(search, &x_norm, &residual_norm, &d_norm));
+  PetscCall(SNESLineSearchSetNorms(search, x_norm, residual_norm, line.step * d_norm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+}  // namespace
+}  // namespace trefoil
+
+using namespace trefoil;
+
+/// Opens the iteration: what is known at x before anything is tried.
+static PetscErrorCode open_line(SolveContext &context, SNESLineSearch search, Line &line) {
+  IterationRecord &current = context.current;
+  PetscErrorCode (*objective)(SNES, Vec, PetscReal *, void *) = nullptr;
+  PetscScalar slope = 0;
+  PetscInt linear_iterations = 0;
+  PetscBool changed = PETSC_FALSE;
+  KSP ksp = nullptr;
+
+  PetscFunctionBegin;
+  PetscCall(SNESGetObjective(context.snes, &objective, nullptr));
+  PetscCheck(objective, PetscObjectComm(reinterpret_cast<PetscObject>(search)), PETSC_ERR_ORDER,
+             "line search trefoil searches on the energy: call SNESSetObjective() first");
+  PetscCall(SNESLineSearchGetVecs(search, &line.x, &line.residual, &line.minus_d, &line.trial,
+                                  &line.trial_residual));
+  PetscCall(SNESLineSearchPreCheck(search, line.x, line.minus_d, &changed));
+  PetscCall(SNESGetKSP(context.snes, &ksp));
+  PetscCall(KSPGetIterationNumber(ksp, &linear_iterations));
+  PetscCall(energy_at(context, line.x, &line.energy));
+  PetscCall(VecDot(line.residual, line.minus_d, &slope));
+  line.slope = -PetscRealPart(slope);
+
+  current.energy = line.energy;
+  current.decrement = std::abs(line.slope) / 2;
+  current.linear_iterations = static_cast<int>(linear_iterations);
+  current.rho = IterationRecord::none;
+  current.step = 0;
+  current.trials = 0;
+  current.seconds = context.clock.elapsed();
+  PetscCall(VecNorm(line.residual, NORM_2, &current.gradient_norm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Searches, takes the step found, and closes the iteration with its trust-region ratio.
+static PetscErrorCode search_and_step(SolveContext &context, SNESLineSearch search, Line &line) {
+  IterationRecord &current = context.current;
+  PetscInt most_trials = 0;
+  PetscReal first_step = 0;
+  double curvature = 0;
+  bool accepted = false;
+
+  PetscFunctionBegin;
+  PetscCall(SNESLineSearchGetTolerances(search, nullptr, nullptr, nullptr, nullptr, nullptr,
+                                        &most_trials));
+  PetscCall(SNESLineSearchGetDamping(search, &first_step));
+  PetscCall(unfiltered_curvature(context, line, line.trial_residual, &curvature));
+  PetscCall(backtrack(context, line, first_step, most_trials, &accepted));
+  current.trials = line.trials;
+  if (!accepted) {
+    context.summary.reason = "no step along the direction decreases the energy";
+    PetscCall(finish(context, search, SNES_DIVERGED_LINE_SEARCH));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  current.step = line.step;
+  PetscCall(trust_region_ratio(context, line, curvature, &current.rho));
+  PetscCall(take_step(context, search, line));
+  context.history.push_back(current);
+  PetscCall(monitor_iteration(context, current));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode SNESLineSearchApply_Trefoil(SNESLineSearch search) {
+  SNES snes = nullptr;
+  SolveContext *context = nullptr;
+  Line line{};
+  bool refused = false, stop = false;
+
+  PetscFunctionBegin;
+  PetscCall(SNESLineSearchGetSNES(search, &snes));
+  PetscCall(get_solve_context(snes, &context));
+  PetscCall(begin_solve(*context));
+  context->clock.switch_to(Phase::line_search);
+  PetscCall(PetscLogEventBegin(event_search, search, nullptr, nullptr, nullptr));
+  PetscCall(open_line(*context, search, line));
+  PetscCall(refuse_bad_direction(*context, search, line.slope, &refused));
+  if (!refused) {
+    PetscCall(stop_test(*context, line.x, &stop));
+    if (stop) {
+      PetscCall(finish(*context, search, SNES_CONVERGED_SNORM_RELATIVE));
+    } else {
+      PetscCall(search_and_step(*context, search, line));
+    }
+  }
+  PetscCall(PetscLogEventEnd(event_search, search, nullptr, nullptr, nullptr));
+  context->clock.switch_to(Phase::other);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode SNESLineSearchSetFromOptions_Trefoil(SNESLineSearch search,
+                                                           TrefoilOptionItems) {
+  SNES snes = nullptr;
+  SolveContext *context = nullptr;
+  PetscFunctionBegin;
+  PetscCall(SNESLineSearchGetSNES(search, &snes));
+  PetscCall(get_solve_context(snes, &context));
+  PetscCall(set_options(*context));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode SNESLineSearchView_Trefoil(SNESLineSearch search, PetscViewer viewer) {
+  SNES snes = nullptr;
+  SolveContext *context = nullptr;
+  PetscBool ascii = PETSC_FALSE;
+  PetscFunctionBegin;
+  PetscCall(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(viewer), PETSCVIEWERASCII, &ascii));
+  PetscCall(SNESLineSearchGetSNES(search, &snes));
+  PetscCall(get_solve_context(snes, &context));
+  if (ascii) PetscCall(view_options(*context, viewer));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*MC
+   SNESLINESEARCHTREFOIL - backtracking on the energy along the eigenvalue-filtered direction
+
+   Options Database Keys:
++  -snes_trefoil_filter <adaptive>               - newton, clamp, absolute, adaptive, constant
+.  -snes_trefoil_rho_tolerance <0.01>            - adaptive: clamp while |rho - 1| is below
+.  -snes_trefoil_decrement_tolerance <0>         - stop on the Newton decrement, energy units
+.  -snes_trefoil_energy_tolerance <1e-8>         - stop on the decrement over the energy scale
+.  -snes_linesearch_shrink <0.8>                 - factor between step lengths
+.  -snes_linesearch_armijo <1e-8>                - share of the predicted decrease to reach
+-  -snes_linesearch_max_it <100>                 - most step lengths to try
+
+   Level: intermediate
+M*/
+PetscErrorCode SNESLineSearchCreate_Trefoil(SNESLineSearch search) {
+  PetscFunctionBegin;
+  search->ops->apply = SNESLineSearchApply_Trefoil;
+  search->ops->setfromoptions = SNESLineSearchSetFromOptions_Trefoil;
+  search->ops->view = SNESLineSearchView_Trefoil;
+  PetscCall(SNESLineSearchSetTolerances(search, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT,
+                                        PETSC_DEFAULT, PETSC_DEFAULT, 100));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

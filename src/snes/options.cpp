@@ -1,0 +1,157 @@
+#include <petsc/private/petscimpl.h>
+
+#include <array>
+#include <cstring>
+#include <sstream>
+
+#include "petsc_compatibility.hpp"
+#include "snes/solve_context.hpp"
+
+namespace trefoil {
+namespace {
+
+// Every option of ours; what is not here is misspelt.
+constexpr std::array<const char *, 8> known_options{
+    "filter",           "rho_tolerance", "weight",  "search", "decrement_tolerance",
+    "energy_tolerance", "monitor",       "record"};
+
+std::string join(const std::vector<std::string> &words) {
+  std::ostringstream text;
+  for (std::size_t i = 0; i < words.size(); ++i) text << (i ? ", " : "") << words[i];
+  return text.str();
+}
+
+/// Refuses options that begin with our name and are none of ours, so that a typing error is not a
+/// default in disguise.
+PetscErrorCode refuse_misspelt(SNES snes) {
+  PetscOptions database = nullptr;
+  const char *prefix = nullptr;
+  char *copy = nullptr;
+  PetscFunctionBeginUser;
+  PetscCall(PetscObjectGetOptions(reinterpret_cast<PetscObject>(snes), &database));
+  PetscCall(SNESGetOptionsPrefix(snes, &prefix));
+  const std::string ours = std::string("-") + (prefix ? prefix : "") + "snes_trefoil_";
+  PetscCall(PetscOptionsGetAll(database, &copy));
+  std::istringstream words(copy);
+  PetscCall(PetscFree(copy));
+  for (std::string word; words >> word;) {
+    if (word.rfind(ours, 0) != 0) continue;
+    const std::string name = word.substr(ours.size());
+    bool known = false;
+    for (const char *option : known_options) known = known || name == option;
+    std::vector<std::string> names(known_options.begin(), known_options.end());
+    PetscCheck(known, PetscObjectComm(reinterpret_cast<PetscObject>(snes)), PETSC_ERR_USER_INPUT,
+               "there is no option %s; the options %s... are: %s", word.c_str(), ours.c_str(),
+               join(names).c_str());
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode check_values(const SolverOptions &options, MPI_Comm comm) {
+  PetscFunctionBeginUser;
+  PetscCheck(make_rule(options.filter, options.rule), comm, PETSC_ERR_USER_INPUT,
+             "there is no filter '%s' (-snes_trefoil_filter); the filters are: %s",
+             options.filter.c_str(), join(rule_names()).c_str());
+  PetscCheck(options.search == "armijo", comm, PETSC_ERR_USER_INPUT,
+             "there is no search '%s' (-snes_trefoil_search); the searches are: armijo",
+             options.search.c_str());
+  PetscCheck(options.shrink > 0 && options.shrink < 1, comm, PETSC_ERR_USER_INPUT,
+             "-snes_linesearch_shrink is %g and must lie between 0 and 1", options.shrink);
+  PetscCheck(options.armijo >= 0 && options.armijo < 0.5, comm, PETSC_ERR_USER_INPUT,
+             "-snes_linesearch_armijo is %g and must be at least 0 and below 0.5", options.armijo);
+  PetscCheck(options.rule.rho_tolerance >= 0, comm, PETSC_ERR_USER_INPUT,
+             "-snes_trefoil_rho_tolerance is %g and must not be negative",
+             options.rule.rho_tolerance);
+  PetscCheck(options.rule.weight >= 0, comm, PETSC_ERR_USER_INPUT,
+             "-snes_trefoil_weight is %g and must not be negative", options.rule.weight);
+  PetscCheck(options.decrement_tolerance >= 0 && options.energy_tolerance >= 0, comm,
+             PETSC_ERR_USER_INPUT, "the tolerances -snes_trefoil_decrement_tolerance (%g) and "
+             "-snes_trefoil_energy_tolerance (%g) must not be negative",
+             options.decrement_tolerance, options.energy_tolerance);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+}  // namespace
+
+PetscErrorCode set_options(SolveContext &context) {
+  SolverOptions &options = context.options;
+  const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(context.snes));
+  std::array<char, PETSC_MAX_PATH_LEN> filter{}, search{}, file{};
+  PetscBool found = PETSC_FALSE, constant_weight = PETSC_FALSE;
+  PetscBool monitor = options.monitor ? PETSC_TRUE : PETSC_FALSE;
+  PetscReal rho_tolerance = options.rule.rho_tolerance, weight = options.rule.weight;
+  PetscReal decrement = options.decrement_tolerance, energy = options.energy_tolerance;
+  PetscReal shrink = options.shrink, armijo = options.armijo;
+
+  PetscFunctionBeginUser;
+  PetscCall(refuse_misspelt(context.snes));
+  const std::string filter_help = "Filter of the element Hessians: " + join(rule_names());
+  PetscObjectOptionsBegin(reinterpret_cast<PetscObject>(context.snes));
+  PetscCall(PetscOptionsString("-snes_trefoil_filter", filter_help.c_str(), "",
+                               options.filter.c_str(), filter.data(), filter.size(), &found));
+  if (found) options.filter = filter.data();
+  PetscCall(PetscOptionsReal("-snes_trefoil_rho_tolerance",
+                             "adaptive: clamp while |rho - 1| is below this (dimensionless)", "",
+                             rho_tolerance, &rho_tolerance, nullptr));
+  PetscCall(PetscOptionsReal("-snes_trefoil_weight",
+                             "constant: w of H + 2 w N; 0 Newton, 0.5 clamp, 1 absolute", "",
+                             weight, &weight, &constant_weight));
+  PetscCall(PetscOptionsString("-snes_trefoil_search", "Search along the direction: armijo", "",
+                               options.search.c_str(), search.data(), search.size(), &found));
+  if (found) options.search = search.data();
+  PetscCall(PetscOptionsReal("-snes_trefoil_decrement_tolerance",
+                             "Stop when the Newton decrement |g'd|/2 is below (energy units, 0 off)",
+                             "", decrement, &decrement, nullptr));
+  PetscCall(PetscOptionsReal("-snes_trefoil_energy_tolerance",
+                             "Stop when the decrement over the energy scale is below "
+                             "(dimensionless, 0 off; off where decrement_tolerance is set)",
+                             "", energy, &energy, &found));
+  options.energy_tolerance_set = options.energy_tolerance_set || found;
+  PetscCall(PetscOptionsReal("-snes_linesearch_shrink", "Factor from a step length to the next",
+                             "", shrink, &shrink, nullptr));
+  PetscCall(PetscOptionsReal("-snes_linesearch_armijo", "Share of the predicted decrease to reach",
+                             "", armijo, &armijo, nullptr));
+  PetscCall(PetscOptionsBool("-snes_trefoil_monitor", "One line an iteration", "", monitor,
+                             &monitor, nullptr));
+  PetscCall(PetscOptionsString("-snes_trefoil_record", "Write a JSON record of the solve to a file",
+                               "", options.record_file.c_str(), file.data(), file.size(), &found));
+  if (found) {
+    options.record_file = file.data();
+    PetscCall(check_text_file(comm, options.record_file));
+  }
+  PetscOptionsEnd();
+
+  options.rule = {rho_tolerance, weight};
+  options.decrement_tolerance = decrement;
+  options.energy_tolerance = energy;
+  options.shrink = shrink;
+  options.armijo = armijo;
+  options.monitor = monitor == PETSC_TRUE;
+  PetscCall(check_values(options, comm));
+  PetscCheck(!constant_weight || options.filter == "constant", comm, PETSC_ERR_USER_INPUT,
+             "-snes_trefoil_weight is for -snes_trefoil_filter constant; the filter is '%s'",
+             options.filter.c_str());
+  context.rule = make_rule(options.filter, options.rule);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode view_options(const SolveContext &context, PetscViewer viewer) {
+  const SolverOptions &options = context.options;
+  PetscFunctionBeginUser;
+  PetscCall(PetscViewerASCIIPrintf(viewer, "  eigenvalue filter: %s", options.filter.c_str()));
+  if (options.filter == "adaptive") {
+    PetscCall(PetscViewerASCIIPrintf(viewer, ", rho tolerance %g", options.rule.rho_tolerance));
+  } else if (options.filter == "constant") {
+    PetscCall(PetscViewerASCIIPrintf(viewer, ", weight %g", options.rule.weight));
+  }
+  PetscCall(PetscViewerASCIIPrintf(viewer, "\n  search: %s, shrink %g, armijo %g\n",
+                                   options.search.c_str(), options.shrink, options.armijo));
+  PetscCall(PetscViewerASCIIPrintf(viewer, "  decrement tolerance: %g, energy tolerance: %g%s\n",
+                                   options.decrement_tolerance, options.energy_tolerance,
+                                   options.decrement_tolerance > 0 && !options.energy_tolerance_set
+                                       ? " (off)"
+                                       : ""));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+}  // namespace trefoil

@@ -1,0 +1,235 @@
+#include <petsc/private/petscimpl.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "petsc_compatibility.hpp"
+#include "snes/solve_context.hpp"
+
+namespace trefoil {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// JSON has no NaN and no infinity; null says "does not apply" or "not finite".
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json iteration_json(const IterationRecord &entry) {
+  return {{"k", entry.k},
+          {"energy", number(entry.energy)},
+          {"weight", entry.weight},
+          {"rho", number(entry.rho)},
+          {"step", entry.step},
+          {"trials", entry.trials},
+          {"decrement", number(entry.decrement)},
+          {"gradient_norm", number(entry.gradient_norm)},
+          {"indefinite", number(entry.indefinite)},
+          {"linear_iterations", entry.linear_iterations},
+          {"seconds", entry.seconds}};
+}
+
+/// Every option of the run as the user gave it.
+PetscErrorCode options_json(SNES snes, Json *options) {
+  PetscOptions database = nullptr;
+  char *all = nullptr;
+  PetscFunctionBeginUser;
+  PetscCall(PetscObjectGetOptions(reinterpret_cast<PetscObject>(snes), &database));
+  PetscCall(PetscOptionsGetAll(database, &all));
+  const std::string text = all;
+  PetscCall(PetscFree(all));
+  *options = Json::object();
+  // " -name value" or " -name": a name begins with a letter, a negative number does not.
+  for (std::size_t at = text.find('-'); at != std::string::npos;) {
+    std::size_t end = at;
+    do {
+      end = text.find(" -", end + 1);
+    } while (end != std::string::npos && !std::isalpha(static_cast<unsigned char>(text[end + 2])));
+    std::string option = text.substr(at + 1, end == std::string::npos ? end : end - at - 1);
+    const std::size_t space = option.find(' ');
+    std::string value = space == std::string::npos ? "" : option.substr(space + 1);
+    while (!value.empty() && value.back() == ' ') value.pop_back();
+    (*options)[option.substr(0, space)] = value;
+    at = end == std::string::npos ? end : end + 1;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Seconds by phase, the maximum over the ranks. Filter and assembly are one phase to the ranks
+/// that wait for each other, so assembly is the maximum of both together less the filter's.
+PetscErrorCode time_json(const SolveContext &context, MPI_Comm comm, Json *time) {
+  const PhaseClock &clock = context.clock;
+  const double filter = clock.seconds(Phase::filter);
+  double seconds[6] = {filter,
+                       filter + clock.seconds(Phase::assembly),
+                       clock.seconds(Phase::linear_solve),
+                       clock.seconds(Phase::line_search),
+                       clock.seconds(Phase::other),
+                       0};
+  for (int i = 1; i < 5; ++i) seconds[5] += seconds[i];
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, seconds, 6, MPI_DOUBLE, MPI_MAX, comm));
+  *time = {{"total", seconds[5]},
+           {"read", 0.0},
+           {"setup", 0.0},
+           {"assembly", seconds[1] - seconds[0]},
+           {"filter", seconds[0]},
+           {"linear_solve", seconds[2]},
+           {"line_search", seconds[3]},
+           {"output", 0.0},
+           {"other", seconds[5] - seconds[1] - seconds[2] - seconds[3]}};
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Bytes, summed over the ranks; the factor's as its package reports them.
+PetscErrorCode memory_json(SNES snes, Mat negative, MPI_Comm comm, Json *memory) {
+  Mat matrix = nullptr, factor = nullptr;
+  KSP ksp = nullptr;
+  PC pc = nullptr;
+  PetscBool factored = PETSC_FALSE;
+  MatInfo info;
+  double peak = 0, matrix_bytes = 0, factor_bytes = 0;
+  PetscFunctionBeginUser;
+  PetscCall(SNESGetJacobian(snes, nullptr, &matrix, nullptr, nullptr));
+  for (Mat stored : {matrix, negative}) {
+    if (!stored) continue;
+    PetscCall(MatGetInfo(stored, MAT_GLOBAL_SUM, &info));
+    // A compressed sparse row matrix keeps a number and a column an entry.
+    matrix_bytes += info.nz_allocated * static_cast<double>(sizeof(PetscScalar) + sizeof(PetscInt));
+  }
+  PetscCall(SNESGetKSP(snes, &ksp));
+  PetscCall(KSPGetPC(ksp, &pc));
+  PetscCall(PetscObjectTypeCompareAny(reinterpret_cast<PetscObject>(pc), &factored, PCCHOLESKY,
+                                      PCLU, ""));
+  if (factored) {
+    MatSolverType solver = nullptr;
+    PetscBool mumps = PETSC_FALSE;
+    PetscBool informed = PETSC_FALSE;
+    PetscCall(PCFactorGetMatrix(pc, &factor));
+    if (factor) PetscCall(MatHasOperation(factor, MATOP_GETINFO, &informed));
+    if (informed) {
+      PetscCall(MatFactorGetSolverType(factor, &solver));
+      PetscCall(PetscStrcmp(solver, MATSOLVERMUMPS, &mumps));
+      if (!mumps) {
+        PetscCall(MatGetInfo(factor, MAT_GLOBAL_SUM, &info));
+        factor_bytes = info.memory;
+      }
+#if defined(PETSC_HAVE_MUMPS)
+      if (mumps) {  // INFOG(22): megabytes in use during the factorisation, all ranks
+        PetscInt megabytes = 0;
+        PetscCall(MatMumpsGetInfog(factor, 22, &megabytes));
+        factor_bytes = 1e6 * static_cast<double>(megabytes);
+      }
+#endif
+    }
+  }
+  struct rusage usage;
+  getrusage(RUSAGE_SELF, &usage);
+  peak = 1024.0 * static_cast<double>(usage.ru_maxrss);
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &peak, 1, MPI_DOUBLE, MPI_SUM, comm));
+  *memory = {{"peak_bytes", peak},
+             {"mesh_bytes", 0},
+             {"matrix_bytes", matrix_bytes},
+             {"factor_bytes", factor_bytes}};
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+Json result_json(const SolveContext &context) {
+  const auto &history = context.history;
+  int trials = 0;
+  for (const IterationRecord &entry : history) trials += entry.trials;
+  const IterationRecord last = history.empty() ? IterationRecord{} : history.back();
+  return {{"converged", context.summary.converged},
+          {"reason", context.summary.reason},
+          {"iterations", context.summary.linear_solves},
+          {"linear_solves", context.summary.linear_solves},
+          {"line_search_trials", trials},
+          {"energy_start", number(history.empty() ? IterationRecord::none : history.front().energy)},
+          {"energy", number(last.energy)},
+          {"energy_rest", nullptr},
+          {"energy_scale", number(context.summary.energy_scale)},
+          {"gradient_norm", number(last.gradient_norm)},
+          {"newton_decrement", number(last.decrement)},
+          {"inverted", nullptr}};
+}
+
+/// After the last step, where PETSc's own tests ended the solve, the history still lacks the state
+/// that was reached.
+PetscErrorCode close_history(SolveContext &context) {
+  PetscErrorCode (*objective)(SNES, Vec, PetscReal *, void *) = nullptr;
+  Vec x = nullptr, residual = nullptr;
+  PetscFunctionBeginUser;
+  if (!context.history.empty() && context.history.back().step == 0 && context.driven) {
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  IterationRecord last;
+  last.k = context.history.empty() ? 0 : context.history.back().k + 1;
+  last.weight = context.current.weight;
+  last.indefinite = IterationRecord::none;
+  last.seconds = context.clock.elapsed();
+  PetscCall(SNESGetSolution(context.snes, &x));
+  PetscCall(SNESGetObjective(context.snes, &objective, nullptr));
+  if (objective) PetscCall(energy_at(context, x, &last.energy));
+  PetscCall(SNESGetFunction(context.snes, &residual, nullptr, nullptr));
+  PetscCall(VecNorm(residual, NORM_2, &last.gradient_norm));
+  context.history.push_back(last);
+  PetscCall(monitor_iteration(context, last));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+}  // namespace
+
+PetscErrorCode make_record(SolveContext &context, std::string *json) {
+  const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(context.snes));
+  Vec x = nullptr;
+  PetscInt unknowns = 0;
+  PetscMPIInt ranks = 0;
+  Json options, time, memory;
+  PetscFunctionBeginUser;
+  PetscCall(SNESGetSolution(context.snes, &x));
+  PetscCall(VecGetSize(x, &unknowns));
+  PetscCallMPI(MPI_Comm_size(comm, &ranks));
+  PetscCall(options_json(context.snes, &options));
+  PetscCall(time_json(context, comm, &time));
+  PetscCall(memory_json(context.snes, context.negative, comm, &memory));
+  Json history = Json::array();
+  for (const IterationRecord &entry : context.history) history.push_back(iteration_json(entry));
+  const Json record{{"schema", 1},
+                    {"mesh", {{"free_dofs", unknowns}}},
+                    {"solver",
+                     {{"filter", context.driven ? context.options.filter : "none"},
+                      {"ranks", ranks},
+                      {"options", options}}},
+                    {"result", result_json(context)},
+                    {"time", time},
+                    {"memory", memory},
+                    {"history", history}};
+  *json = record.dump(1);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode end_solve(SolveContext &context) {
+  SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
+  const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(context.snes));
+  PetscFunctionBeginUser;
+  if (!context.running) PetscFunctionReturn(PETSC_SUCCESS);
+  context.clock.switch_to(Phase::other);
+  PetscCall(SNESGetConvergedReason(context.snes, &reason));
+  context.summary.converged = reason > 0;
+  if (context.summary.reason.empty()) {
+    const char *text = nullptr;
+    PetscCall(SNESGetConvergedReasonString(context.snes, &text));
+    context.summary.reason = text;
+  }
+  PetscCall(close_history(context));
+  context.clock.switch_to(Phase::other);
+  PetscCall(make_record(context, &context.record));
+  if (!context.options.record_file.empty()) {
+    PetscCall(write_text_file(comm, context.options.record_file, context.record + "\n"));
+  }
+  context.running = false;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+}  // namespace trefoil

@@ -1,0 +1,38 @@
+#include <petsc/private/petscimpl.h>
+
+#include "petsc_compatibility.hpp"
+#include "snes/solve_context.hpp"
+
+namespace trefoil {
+PetscLogEvent event_filter = -1, event_assembly = -1, event_search = -1;
+}
+
+static bool registered = false;
+
+/// PetscFinalize forgets every registered type, so the next PetscInitialize starts anew.
+static PetscErrorCode TrefoilFinalizePackage(void) {
+  PetscFunctionBegin;
+  registered = false;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode TrefoilInitializePackage(void) {
+  PetscClassId id = 0;
+  PetscFunctionBegin;
+  if (registered) PetscFunctionReturn(PETSC_SUCCESS);
+  registered = true;
+  PetscCall(SNESRegister(SNESTREFOIL, SNESCreate_Trefoil));
+  PetscCall(SNESLineSearchRegister(SNESLINESEARCHTREFOIL, SNESLineSearchCreate_Trefoil));
+  PetscCall(PetscClassIdRegister("Trefoil", &id));
+  PetscCall(PetscLogEventRegister("TrefoilFilter", id, &trefoil::event_filter));
+  PetscCall(PetscLogEventRegister("TrefoilAssembly", id, &trefoil::event_assembly));
+  PetscCall(PetscLogEventRegister("TrefoilSearch", id, &trefoil::event_search));
+  PetscCall(PetscRegisterFinalize(TrefoilFinalizePackage));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode PetscDLLibraryRegister_trefoil(void) {
+  PetscFunctionBegin;
+  PetscCall(TrefoilInitializePackage());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "snes/iteration_record.hpp"
+
+namespace trefoil {
+
+/// Numbers that a rule may be tuned by.
+struct RuleParameters {
+  double rho_tolerance = 0.01;  ///< -snes_trefoil_rho_tolerance, the paper's epsilon
+  double weight = 1;            ///< -snes_trefoil_weight, for rule `constant`
+};
+
+/// Chooses the filter weight w of every iteration: H + 2 w N, w = 0 Newton, 1/2 clamp, 1 absolute.
+class Rule {
+ public:
+  virtual ~Rule() = default;
+  /// The weight of a solve's first iteration. Also forgets whatever was learned in a solve before.
+  virtual double first() = 0;
+  /// The weight of the iteration after `last`, whose step has been taken.
+  virtual double next(const IterationRecord &last) = 0;
+};
+
+/// A rule by its name; null where there is none of that name.
+std::unique_ptr<Rule> make_rule(const std::string &name, const RuleParameters &parameters);
+
+/// The names make_rule() knows, in the order in which -help lists them.
+const std::vector<std::string> &rule_names();
+
+using RuleFactory = std::unique_ptr<Rule> (*)(const RuleParameters &);
+
+// One function a file of rules; the registry in rule.cpp lists them.
+std::unique_ptr<Rule> make_newton_rule(const RuleParameters &parameters);
+std::unique_ptr<Rule> make_clamp_rule(const RuleParameters &parameters);
+std::unique_ptr<Rule> make_absolute_rule(const RuleParameters &parameters);
+std::unique_ptr<Rule> make_constant_rule(const RuleParameters &parameters);
+std::unique_ptr<Rule> make_adaptive_rule(const RuleParameters &parameters);
+
+}  // namespace trefoil

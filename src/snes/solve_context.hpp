@@ -1,0 +1,107 @@
+#pragma once
+
+#include <petscsnes.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "snes/iteration_record.hpp"
+#include "snes/phase_clock.hpp"
+#include "snes/rule.hpp"
+#include "trefoil.h"
+
+namespace trefoil {
+
+/// The plugin's options, see options.cpp for their names and help texts.
+struct SolverOptions {
+  std::string filter = "adaptive";
+  RuleParameters rule;
+  std::string search = "armijo";
+  double decrement_tolerance = 0;   ///< energy units; 0: off
+  double energy_tolerance = 1e-8;   ///< predicted decrease over energy scale; 0: off
+  bool energy_tolerance_set = false;  ///< by the user, so decrement_tolerance does not turn it off
+  double shrink = 0.8;
+  double armijo = 1e-8;
+  bool monitor = false;
+  std::string record_file;          ///< empty: no record
+};
+
+/// What is known of a finished or running solve besides its iterations.
+struct SolveSummary {
+  bool converged = false;
+  std::string reason;      ///< one phrase for people
+  double energy_scale = IterationRecord::none;
+  int linear_solves = 0;
+};
+
+/// Everything the plugin keeps for one SNES; composed with it, so that it lives as long.
+struct SolveContext {
+  SNES snes = nullptr;  ///< borrowed: this context belongs to it
+  SolverOptions options;
+  std::unique_ptr<Rule> rule;
+
+  Mat negative = nullptr;  ///< N, created when the first element is indefinite
+  bool negative_present = false;  ///< N is part of the present Jacobian, H + 2 w N
+  TrefoilSplitJacobianFunction split_jacobian = nullptr;
+  void *split_jacobian_context = nullptr;
+  TrefoilEnergyScaleFunction energy_scale = nullptr;
+  void *energy_scale_context = nullptr;
+
+  bool running = false;     ///< between the start of a solve and its end
+  bool driven = false;      ///< by our line search; otherwise the Jacobian stays unfiltered
+  PhaseClock clock;
+  IterationRecord current;  ///< the iteration under way
+  std::vector<IterationRecord> history;
+  SolveSummary summary;
+  std::string record;       ///< JSON of the last finished solve
+
+  double energy = IterationRecord::none;  ///< at the state below
+  PetscObjectId energy_vector = 0;
+  PetscObjectState energy_state = -1;
+
+  ~SolveContext();
+};
+
+/// The context of `snes`, made when first asked for.
+PetscErrorCode get_solve_context(SNES snes, SolveContext **context);
+
+/// Begins a solve unless one is running: forgets the last one and starts the clock.
+PetscErrorCode begin_solve(SolveContext &context);
+/// Ends it: closes the history, makes the JSON record and writes it where the user wants it.
+/// Collective. Harmless where no solve is running.
+PetscErrorCode end_solve(SolveContext &context);
+
+/// Reads -snes_trefoil_* and -snes_linesearch_{shrink,armijo}; a misspelt name is an error.
+PetscErrorCode set_options(SolveContext &context);
+PetscErrorCode view_options(const SolveContext &context, PetscViewer viewer);
+
+/// The energy at x from the SNES's objective, evaluated once for each state of x.
+PetscErrorCode energy_at(SolveContext &context, Vec x, double *energy);
+/// Says that the energy at x is known to be `energy`.
+PetscErrorCode remember_energy(SolveContext &context, Vec x, double energy);
+
+/// Whether the present iteration ends the solve, before its direction is taken.
+/// Newton decrement against the absolute and the relative tolerance. Collective.
+PetscErrorCode stop_test(SolveContext &context, Vec x, bool *stop);
+
+/// One line an iteration on the SNES's communicator, where -snes_trefoil_monitor asks for it.
+PetscErrorCode monitor_iteration(const SolveContext &context, const IterationRecord &iteration);
+
+/// The JSON record of a finished solve. Collective: phases and counts are reduced over the ranks.
+PetscErrorCode make_record(SolveContext &context, std::string *json);
+
+/// Writes text beside `path` and renames: there is never half a file. On the first rank;
+/// collective, an error is one on all ranks.
+PetscErrorCode write_text_file(MPI_Comm comm, const std::string &path, const std::string &text);
+/// Whether `path` can be written; leaves nothing behind. Collective.
+PetscErrorCode check_text_file(MPI_Comm comm, const std::string &path);
+
+extern PetscLogEvent event_filter, event_assembly, event_search;
+
+}  // namespace trefoil
+
+extern "C" {
+PetscErrorCode SNESCreate_Trefoil(SNES snes);
+PetscErrorCode SNESLineSearchCreate_Trefoil(SNESLineSearch search);
+}

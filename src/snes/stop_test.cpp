@@ -1,0 +1,55 @@
+#include <algorithm>
+
+#include "petsc_compatibility.hpp"
+#include "snes/solve_context.hpp"
+
+namespace trefoil {
+namespace {
+
+/// The size of the energy at x: the callback's, or what has been gained since the start.
+PetscErrorCode scale_of_energy(SolveContext &context, Vec x, double *scale) {
+  PetscFunctionBeginUser;
+  if (context.energy_scale) {
+    PetscReal value = 0;
+    PetscCall(context.energy_scale(context.snes, x, &value, context.energy_scale_context));
+    *scale = value;
+  } else {
+    *scale = context.history.empty() ? 0 : context.history.front().energy - context.current.energy;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+bool energy_test_is_on(const SolveContext &context) {
+  const SolverOptions &options = context.options;
+  if (options.energy_tolerance <= 0) return false;
+  if (options.energy_tolerance_set) return true;
+  return context.energy_scale && options.decrement_tolerance <= 0;
+}
+
+}  // namespace
+
+PetscErrorCode stop_test(SolveContext &context, Vec x, bool *stop) {
+  const SolverOptions &options = context.options;
+  const double decrement = context.current.decrement;
+  PetscFunctionBeginUser;
+  *stop = options.decrement_tolerance > 0 && decrement < options.decrement_tolerance;
+  if (*stop) {
+    context.summary.reason = "Newton decrement below -snes_trefoil_decrement_tolerance";
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  if (decrement == 0) {
+    *stop = true;
+    context.summary.reason = "the direction is zero";
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  if (energy_test_is_on(context)) {
+    double scale = 0;
+    PetscCall(scale_of_energy(context, x, &scale));
+    context.summary.energy_scale = scale;
+    *stop = decrement <= options.energy_tolerance * scale;
+    if (*stop) context.summary.reason = "predicted energy decrease below -snes_trefoil_energy_tolerance";
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+}  // namespace trefoil

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <petscsys.h>
+
+namespace trefoil {
+
+struct Mesh;
+
+/// Takes the dense Hessians of elements, one after the other: filters them and adds them up.
+class ElementHessianSink {
+ public:
+  virtual ~ElementHessianSink() = default;
+  /// @param n unknowns of the element
+  /// @param dofs their local numbers, 3 * local vertex + component
+  /// @param H the symmetric n x n element Hessian
+  virtual PetscErrorCode add(int n, const PetscInt *dofs, const double *H) = 0;
+};
+
+/// Sums over one rank's elements.
+struct EnergySums {
+  double energy = 0;  ///< sum of psi V
+  double scale = 0;   ///< sum of |psi - psi(I)| V, or the work of a load: free of rest offsets
+};
+
+/// One summand of a scene's energy. A scene lists its terms; a term it does not name is never made.
+/// Displacements u and forces are local arrays, 3 numbers a local vertex, ghosts included.
+class Term {
+ public:
+  virtual ~Term() = default;
+  virtual void add_energy(const double *u, EnergySums *sums) const = 0;
+  virtual void add_gradient(const double *u, double *gradient) const = 0;
+  virtual PetscErrorCode add_hessian(const double *u, ElementHessianSink &sink) const = 0;
+  /// For output: fills, for each local cell, det F and psi; left alone by terms without cells.
+  virtual void describe_cells(const double *u, double *determinant, double *energy_density) const {
+    static_cast<void>(u), static_cast<void>(determinant), static_cast<void>(energy_density);
+  }
+  [[nodiscard]] virtual double bytes() const { return 0; }
+};
+
+}  // namespace trefoil

@@ -1,0 +1,75 @@
+// trefoil: a tetrahedral mesh of an elastic body, held here and moved there, to its equilibrium.
+//
+//   mpirun -n 2 trefoil -options_file examples/knot.yaml -snes_trefoil_record knot.json
+//
+// Exit status: 0 converged, 1 bad input, 3 not converged.
+
+#include <petsctime.h>
+
+#include <cstdio>
+
+#include "output/result.hpp"
+#include "petsc_compatibility.hpp"
+#include "program_errors.hpp"
+#include "scene/scene.hpp"
+#include "scene/solve.hpp"
+#include "snes/solve_context.hpp"
+#include "trefoil.h"
+
+static const char help[] =
+    "Finds the equilibrium of an elastic body: a mesh, a material, what is held and what is moved.\n"
+    "Options come from a YAML file, -options_file scene.yaml, or from the command line; what comes\n"
+    "later wins.\n\n";
+
+static PetscErrorCode run(double begin, bool *converged) {
+  using namespace trefoil;
+  const MPI_Comm comm = PETSC_COMM_WORLD;
+  SceneOptions options;
+  Scene scene;
+  SolveOutcome outcome;
+  ProgramTimes times;
+  PetscLogDouble solved = 0, written = 0;
+  std::string record;
+
+  PetscFunctionBeginUser;
+  PetscCall(TrefoilInitializePackage());
+  PetscCall(read_scene_options(comm, &options));
+  PetscCall(check_outputs(comm, options));
+  PetscCall(build_scene(comm, options, &scene));
+  PetscCall(solve_scene(scene, &outcome));
+  *converged = outcome.converged;
+
+  PetscCall(PetscTime(&solved));
+  PetscCall(write_fields(scene));
+  PetscCall(PetscTime(&written));
+  times.read = scene.read_seconds;
+  times.setup = scene.setup_seconds;
+  times.output = written - solved;
+  times.total = MPI_Wtime() - begin;
+  PetscCall(complete_record(scene, outcome, times, &record));
+  if (!options.record_file.empty()) {
+    PetscCall(write_text_file(comm, options.record_file, record + "\n"));
+  }
+  PetscCall(print_summary(comm, record));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+int main(int argc, char **argv) {
+  bool converged = false;
+  MPI_Init(&argc, &argv);
+  const double begin = MPI_Wtime();
+  trefoil::use_one_thread_a_rank();
+  trefoil::keep_errors();
+  PetscErrorCode error = PetscInitialize(&argc, &argv, nullptr, help);
+  if (!error) {
+    trefoil::keep_errors();  // PetscInitialize may have installed its own
+    error = run(begin, &converged);
+  }
+  if (error) {
+    int rank = 0;
+    MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+    if (rank == 0) std::fprintf(stderr, "trefoil: %s\n", trefoil::kept_error().c_str());
+    return trefoil::finish_ranks(1);
+  }
+  return trefoil::finish_ranks(converged ? 0 : 3);
+}

@@ -1,0 +1,116 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "mesh/check_mesh.hpp"
+
+namespace trefoil {
+namespace {
+
+// Five tetrahedra over one frame: good, negative, flat, with a repeated vertex, good.
+CellList mixed_mesh(double unit = 1) {
+  CellList mesh;
+  mesh.coordinates = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 1, 0};
+  mesh.cells = {0, 1, 2, 3, 0, 2, 1, 3, 0, 1, 2, 4, 0, 1, 1, 3, 1, 4, 2, 3};
+  for (double &coordinate : mesh.coordinates) coordinate *= unit;
+  return mesh;
+}
+
+std::string refusal(CellList mesh, Repair repair) {
+  try {
+    repair_rest_shape(mesh, repair, "horse.mesh");
+  } catch (const InputError &error) {
+    return error.what();
+  }
+  return "";
+}
+
+// A tetrahedron of the given height over a triangle with edges of about 1.
+CellList flat_tetrahedron(double height, double unit) {
+  CellList mesh;
+  mesh.coordinates = {0, 0, 0, unit, 0, 0, 0, unit, 0, 0, 0, height * unit};
+  mesh.cells = {0, 1, 2, 3};
+  return mesh;
+}
+
+TEST(CheckMesh, CountsEachKindInAnyUnit) {
+  for (const double unit : {1e-300, 1e-150, 1., 1e100, 1e307}) {
+    const RestCheck check = check_rest_shape(mixed_mesh(unit));
+    EXPECT_EQ(check.degenerate, 2) << unit;
+    EXPECT_EQ(check.negative, 1) << unit;
+    EXPECT_EQ(check.first, 2) << unit;
+  }
+}
+
+TEST(CheckMesh, DegenerateMeansFlatInProportionToTheLongestEdge) {
+  const double threshold = 1e-14 * std::pow(2, 1.5);  // (longest edge)^3 = sqrt(2)^3
+  for (const double unit : {1e-150, 1., 1e100}) {
+    EXPECT_EQ(check_rest_shape(flat_tetrahedron(1.01 * threshold, unit)).bad(), 0) << unit;
+    EXPECT_EQ(check_rest_shape(flat_tetrahedron(-1.01 * threshold, unit)).negative, 1) << unit;
+    EXPECT_EQ(check_rest_shape(flat_tetrahedron(0.99 * threshold, unit)).degenerate, 1) << unit;
+    EXPECT_EQ(check_rest_shape(flat_tetrahedron(-0.99 * threshold, unit)).degenerate, 1) << unit;
+  }
+}
+
+TEST(CheckMesh, RefusalNamesCountsFirstAndTheWayOut) {
+  EXPECT_EQ(refusal(mixed_mesh(), Repair::none),
+            "horse.mesh: 2 tetrahedra are degenerate and 1 tetrahedron is of negative volume, the "
+            "first is tetrahedron 2; mend the mesh, or leave them out with -mesh_repair drop");
+}
+
+TEST(CheckMesh, DropKeepsTheRestInOrder) {
+  CellList mesh = mixed_mesh();
+  EXPECT_EQ(repair_rest_shape(mesh, Repair::drop, "horse.mesh"), 3);
+  EXPECT_EQ(mesh.cells, (std::vector<PetscInt>{0, 1, 2, 3, 1, 4, 2, 3}));
+  EXPECT_EQ(repair_rest_shape(mesh, Repair::none, "horse.mesh"), 0);
+}
+
+TEST(CheckMesh, MeshTurnedRoundIsRefusedWithAHint) {
+  CellList mesh = mixed_mesh();
+  mesh.cells = {0, 2, 1, 3};
+  EXPECT_NE(refusal(mesh, Repair::none).find("the other way round"), std::string::npos);
+  EXPECT_NE(refusal(mesh, Repair::drop).find("nothing is left"), std::string::npos);
+  mesh.cells.clear();
+  EXPECT_NE(refusal(mesh, Repair::drop).find("no tetrahedra"), std::string::npos);
+}
+
+TEST(CheckMesh, DropsUnusedVertices) {
+  CellList mesh = mixed_mesh();
+  mesh.cells = {4, 1, 3, 2};
+  EXPECT_EQ(drop_unused_vertices(mesh), 1);
+  EXPECT_EQ(mesh.cells, (std::vector<PetscInt>{3, 0, 2, 1}));
+  EXPECT_EQ(mesh.coordinates, (std::vector<double>{1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 1, 0}));
+  EXPECT_EQ(drop_unused_vertices(mesh), 0);
+}
+
+TEST(CheckMesh, NormalizeCentresAndScales) {
+  for (const double unit : {1e-300, 1., 1e307}) {
+    CellList mesh = mixed_mesh(unit);
+    normalize(mesh);
+    double largest = 0;
+    for (std::size_t component = 0; component < 3; ++component) {
+      double sum = 0;
+      for (std::size_t vertex = 0; vertex < 5; ++vertex)
+        sum += mesh.coordinates[3 * vertex + component];
+      EXPECT_NEAR(sum, 0, 1e-15);
+    }
+    for (std::size_t vertex = 0; vertex < 5; ++vertex) {
+      const double *x = &mesh.coordinates[3 * vertex];
+      largest = std::max(largest, std::hypot(x[0], x[1], x[2]));
+    }
+    EXPECT_NEAR(largest, 1, 1e-15);
+    // The mean is (0.4, 0.4, 0.2), the farthest vertex (0, 0, 1).
+    EXPECT_NEAR(mesh.coordinates[11], 0.8 / std::hypot(0.4, 0.4, 0.8), 1e-15);
+  }
+}
+
+TEST(CheckMesh, NormalizeRefusesAPoint) {
+  CellList mesh;
+  EXPECT_THROW(normalize(mesh), InputError);
+  mesh.coordinates = {0.1, 0.2, 0.3, 0.1, 0.2, 0.3, 0.1, 0.2, 0.3};
+  EXPECT_THROW(normalize(mesh), InputError);
+}
+
+}  // namespace
+}  // namespace trefoil

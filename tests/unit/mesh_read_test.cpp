@@ -1,0 +1,191 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "mesh_writers.hpp"
+
+namespace trefoil::testing {
+namespace {
+
+std::vector<std::string> sample_in_all_formats() {
+  const TaggedMesh sample = two_tetrahedra();
+  return {medit(sample.mesh), gmsh_2_2(sample, Encoding::ascii), gmsh_2_2(sample, Encoding::binary),
+          gmsh_4_1(sample, Encoding::ascii), gmsh_4_1(sample, Encoding::binary)};
+}
+
+void expect_equal(const CellList &mesh, const CellList &expected) {
+  EXPECT_EQ(mesh.dim, 3);
+  EXPECT_EQ(mesh.corners, 4);
+  EXPECT_EQ(mesh.coordinates, expected.coordinates);
+  EXPECT_EQ(mesh.cells, expected.cells);
+}
+
+// Whatever is read from damaged bytes may be wrong, but can be worked with.
+bool is_usable(const CellList &mesh) {
+  return mesh.vertices() > 0 && mesh.size() > 0 && mesh.coordinates.size() % 3 == 0 &&
+         mesh.cells.size() % 4 == 0 &&
+         std::all_of(mesh.coordinates.begin(), mesh.coordinates.end(),
+                     [](double coordinate) { return std::isfinite(coordinate); }) &&
+         std::all_of(mesh.cells.begin(), mesh.cells.end(),
+                     [&](PetscInt vertex) { return vertex >= 0 && vertex < mesh.vertices(); });
+}
+
+bool is_refused_or_usable(const std::string &contents) {
+  try {
+    return is_usable(read_contents(contents));
+  } catch (const InputError &) {
+    return true;
+  }
+}
+
+std::string replaced(std::string contents, const std::string &old_part, const std::string &part) {
+  const std::size_t position = contents.find(old_part);
+  EXPECT_NE(position, std::string::npos) << old_part;
+  return contents.replace(position, old_part.size(), part);
+}
+
+void expect_refused(const std::string &contents, const std::vector<std::string> &named) {
+  const std::string sentence = refusal(contents);
+  for (const std::string &part : named)
+    EXPECT_NE(sentence.find(part), std::string::npos)
+        << "'" << part << "' is missing in: " << sentence;
+  EXPECT_NE(sentence.find("trefoil_mesh_test_"), std::string::npos) << "no file in: " << sentence;
+}
+
+const std::string medit_sample = medit(two_tetrahedra().mesh);
+const std::string ascii_2_2 = gmsh_2_2(two_tetrahedra(), Encoding::ascii);
+const std::string ascii_4_1 = gmsh_4_1(two_tetrahedra(), Encoding::ascii);
+
+TEST(ReadMesh, AllFormatsGiveTheSameMesh) {
+  for (const std::string &contents : sample_in_all_formats())
+    expect_equal(read_contents(contents), two_tetrahedra().mesh);
+}
+
+TEST(ReadMesh, NodeTagsMayBeScatteredAndUnordered) {
+  for (const auto &tags : std::vector<std::vector<std::int64_t>>{
+           {5, 4, 3, 2, 1}, {100, 7, 60, 8, 9}, {2000000000, 3, 1000000, 77, 5}}) {
+    const TaggedMesh sample = two_tetrahedra(tags);
+    for (const Encoding encoding : {Encoding::ascii, Encoding::binary}) {
+      expect_equal(read_contents(gmsh_2_2(sample, encoding)), sample.mesh);
+      expect_equal(read_contents(gmsh_4_1(sample, encoding)), sample.mesh);
+    }
+  }
+}
+
+TEST(ReadMesh, MeditMayBeLaidOutFreely) {
+  const CellList expected = two_tetrahedra().mesh;
+  expect_equal(read_contents("\xEF\xBB\xBF# made by hand\n\n" + medit_sample), expected);
+  expect_equal(read_contents(replaced(medit_sample, "Dimension 3", "Dimension\n3")), expected);
+  expect_equal(read_contents(replaced(medit_sample, "Vertices\n5", "Vertices 5 # five")), expected);
+  expect_equal(read_contents(replaced(medit_sample, "End\n", "")), expected);
+  expect_equal(read_contents(replaced(medit_sample, "End\n", "END")), expected);
+  expect_equal(read_contents(replaced(medit_sample, "Triangles",
+                                      "Hexahedra 0 Corners 2 1 2 Normals 1 nan 0 1 Triangles")),
+               expected);
+  std::string windows;
+  for (const char character : medit_sample)
+    windows += character == '\n' ? std::string("\r\n") : std::string(1, character);
+  expect_equal(read_contents(windows), expected);
+}
+
+TEST(ReadMesh, TinyAndSignedNumbersAreRead) {
+  const CellList mesh = read_contents(replaced(medit_sample, "1.5", "+1e-400"));
+  EXPECT_EQ(mesh.coordinates[7], 0);
+}
+
+TEST(ReadMesh, TruncationAtAnyByteIsRefusedOrHarmless) {
+  for (const std::string &contents : sample_in_all_formats())
+    for (std::size_t length = 0; length < contents.size(); ++length)
+      EXPECT_TRUE(is_refused_or_usable(contents.substr(0, length))) << length << " of\n"
+                                                                    << contents;
+}
+
+TEST(ReadMesh, DamagedBytesAreRefusedOrHarmless) {
+  std::mt19937 random(20240607);
+  const std::string likely = "0123456789-+.eEn $#\n";
+  for (const std::string &contents : sample_in_all_formats())
+    for (int trial = 0; trial < 1500; ++trial) {
+      std::string damaged = contents;
+      for (auto bytes = 1 + random() % 3; bytes > 0; --bytes)
+        damaged[random() % damaged.size()] =
+            random() % 2 == 0 ? likely[random() % likely.size()] : static_cast<char>(random());
+      EXPECT_TRUE(is_refused_or_usable(damaged)) << damaged;
+    }
+}
+
+TEST(ReadMesh, RefusesWhatIsNoMeshFile) {
+  EXPECT_THROW(read_mesh("/nonexistent/horse.mesh"), InputError);
+  EXPECT_THROW(read_mesh("/dev/null"), InputError);
+  try {
+    read_mesh("/tmp");
+    ADD_FAILURE() << "a directory was read";
+  } catch (const InputError &error) {
+    EXPECT_STREQ(error.what(), "/tmp: is a directory; name a mesh file in it");
+  }
+  expect_refused("", {"is empty"});
+  expect_refused(" \n\n", {"Medit .mesh (ASCII) and Gmsh .msh 2.2 and 4.1"});
+  expect_refused("\x7f\x45LF\x02\x01", {"Medit .mesh (ASCII) and Gmsh .msh 2.2 and 4.1"});
+  expect_refused("solid cube\nfacet", {"Medit .mesh (ASCII) and Gmsh .msh 2.2 and 4.1"});
+  expect_refused(std::string("\1\0\0\0\3\0\0\0", 8), {".meshb", "ASCII"});
+}
+
+TEST(ReadMesh, RefusesBadMedit) {
+  const std::string &good = medit_sample;
+  expect_refused(replaced(good, "Dimension 3", "Dimension 2"), {"line 2", "dimension 2"});
+  expect_refused(replaced(good, "Dimension 3", ""), {"line 3", "Dimension 3"});
+  expect_refused(replaced(good, "Vertices\n5", "Vertices\n50000"), {"line 4", "50000 vertices"});
+  expect_refused(replaced(good, "Vertices\n5", "Vertices\n-5"), {"line 4", "-5"});
+  expect_refused(replaced(good, "Vertices\n5", "Vertices\n4"), {"line 9", "'-3"});
+  expect_refused(replaced(good, "Vertices\n5", "Vertices\n6"), {"line 10", "'Triangles'"});
+  expect_refused(replaced(good, "Vertices\n5", "Vertices\n9999999999999999999"), {"line 4"});
+  expect_refused(replaced(good, "1.5", "1.5x"), {"line 7", "'1.5x'"});
+  expect_refused(replaced(good, "1.5", "nan"), {"line 7", "vertex 3", "not finite"});
+  expect_refused(replaced(good, "1.5", "1e999"), {"line 7", "vertex 3", "not finite"});
+  expect_refused(replaced(good, "2 3 1 5", "2 3 1 6"), {"tetrahedron 2", "vertex 6", "to 5"});
+  expect_refused(replaced(good, "2 3 1 5", "2 0 1 5"), {"tetrahedron 2", "vertex 0"});
+  expect_refused(replaced(good, "2 3 1 5", "2 3.5 1 5"), {"line 16", "'3.5'"});
+  expect_refused(replaced(good, "Tetrahedra", "Tetras"), {"no Tetrahedra"});
+  expect_refused(replaced(good, "Vertices", "Points"), {"no Vertices"});
+  expect_refused(replaced(good, "Triangles", "Hexahedra"), {"Hexahedra", "first-order tetrahedra"});
+  expect_refused(replaced(good, "End", "Vertices 0 End"), {"second section Vertices"});
+  expect_refused(good.substr(0, good.find("Tetrahedra") + 20), {"truncated"});
+}
+
+TEST(ReadMesh, RefusesOtherVersionsOfGmsh) {
+  for (const std::string version : {"1", "4", "4.2", "3.0"})
+    expect_refused(replaced(ascii_4_1, "4.1", version), {"line 2", "'" + version + "'"});
+  expect_refused("$NOD\n1\n", {"'1.0'"});
+  expect_refused(replaced(ascii_4_1, "4.1 0 8", "4.1 0 4"), {"line 2", "4 bytes"});
+  expect_refused(replaced(ascii_4_1, "4.1 0 8", "4.1 7 8"), {"file type is 7"});
+  std::string swapped = gmsh_4_1(two_tetrahedra(), Encoding::binary);
+  const auto mark = swapped.begin() + static_cast<std::ptrdiff_t>(swapped.find("1 8\n")) + 4;
+  std::reverse(mark, mark + 4);
+  expect_refused(swapped, {"other byte order"});
+}
+
+TEST(ReadMesh, RefusesBadGmsh) {
+  expect_refused(replaced(ascii_2_2, "$Nodes\n5", "$Nodes\n4"), {"'5'", "$EndNodes"});
+  expect_refused(replaced(ascii_2_2, "$Nodes\n5", "$Nodes\n900719925474099"), {"900719925474099"});
+  expect_refused(replaced(ascii_2_2, "$Elements\n3", "$Elements\n4"), {"'$EndElements'"});
+  expect_refused(replaced(ascii_2_2, "2 4 2 7 1", "2 11 2 7 1"), {"type 11", "later version"});
+  expect_refused(replaced(ascii_2_2, "2 4 2 7 1", "2 5 2 7 1"), {"type 5", "hexahedron"});
+  expect_refused(replaced(ascii_2_2, "2 4 2 7 1", "2 6 2 7 1"), {"type 6", "prism"});
+  expect_refused(replaced(ascii_2_2, "2 4 2 7 1", "2 999 2 7 1"), {"type 999", "unknown"});
+  expect_refused(replaced(ascii_2_2, "2 3 1 5", "2 3 1 12"), {"element 3", "node 12"});
+  expect_refused(gmsh_2_2(two_tetrahedra({1, 2, 3, 4, 4}), Encoding::ascii), {"node 4 twice"});
+  expect_refused(gmsh_4_1(two_tetrahedra({1, 2, 3, 99999, 99999}), Encoding::binary),
+                 {"node 99999 twice"});
+  expect_refused(replaced(ascii_4_1, "1.5", "inf"), {"node 3", "not finite"});
+  expect_refused(replaced(ascii_4_1, "$Nodes\n2 5", "$Nodes\n2 6"), {"hold 5 nodes", "6"});
+  expect_refused(replaced(ascii_4_1, "3 1 4 2", "3 1 11 2"), {"type 11", "quadratic"});
+  expect_refused(replaced(ascii_4_1, "$EndPhysicalNames", ""), {"$PhysicalNames", "truncated"});
+  expect_refused(ascii_4_1.substr(0, ascii_4_1.find("$Elements")), {"no tetrahedra"});
+  expect_refused(ascii_4_1.substr(0, ascii_4_1.find("$Nodes")), {"no $Nodes"});
+  expect_refused(gmsh_2_2({two_tetrahedra().mesh, {1, 2, 3, 4, 5}}, Encoding::binary) + "rest",
+                 {"'rest'"});
+}
+
+}  // namespace
+}  // namespace trefoil::testing

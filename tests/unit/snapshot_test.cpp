@@ -1,0 +1,315 @@
+// Writes snapshots on all ranks of PETSC_COMM_WORLD; rank 0 reads them back. Runs on any number of
+// ranks; needs petsc_main.cpp.
+
+#include "output/snapshot.hpp"
+
+#include <gtest/gtest.h>
+#include <hdf5.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <regex>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "petsc_compatibility.hpp"
+
+namespace trefoil {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Which rank holds the `index`-th of `count` vertices or cells.
+using Split = std::function<int(int index, int count, int ranks)>;
+
+int evenly(int index, int count, int ranks) {
+  return index * ranks / count;
+}
+int last_rank_empty(int index, int count, int ranks) {
+  return evenly(index, count, std::max(1, ranks - 1));
+}
+int all_on_last_rank(int, int, int ranks) {
+  return ranks - 1;
+}
+
+/// A row of unit cubes, each cut into six tetrahedra around its diagonal; or, with dim 2, of unit
+/// squares cut into two triangles.
+struct Bar {
+  int dim, cubes;
+
+  [[nodiscard]] int layer() const { return 1 << (dim - 1); }  // vertices at one x
+  [[nodiscard]] int vertices() const { return layer() * (cubes + 1); }
+  [[nodiscard]] int cells_a_cube() const { return dim == 3 ? 6 : 2; }
+  [[nodiscard]] int cells() const { return cells_a_cube() * cubes; }
+  [[nodiscard]] int corners() const { return dim + 1; }
+  [[nodiscard]] double coordinate(int vertex, int axis) const {
+    return axis == 0 ? vertex / layer() : (vertex % layer()) >> (axis - 1) & 1;
+  }
+  /// Walks along the edges of the cube from its first to its last vertex, one axis after another.
+  [[nodiscard]] PetscInt corner(int cell, int corner) const {
+    static constexpr int orders[6][3] = {{0, 1, 2}, {1, 0, 2}, {0, 2, 1},
+                                         {2, 0, 1}, {1, 2, 0}, {2, 1, 0}};
+    const int strides[3] = {layer(), 1, 2};
+    int vertex = cell / cells_a_cube() * layer();
+    for (int step = 0; step < corner; ++step)
+      vertex += strides[orders[cell % cells_a_cube()][step]];
+    return vertex;
+  }
+};
+
+double vector_value(int vertex, int component) {
+  return 0.1 * vertex - 7.25 * component;
+}
+double vertex_value(int vertex) {
+  return std::sqrt(vertex);
+}
+double cell_value(int cell) {
+  return 1e6 / (1 + cell);
+}
+
+/// What a file holds under one name.
+struct Dataset {
+  std::vector<hsize_t> shape;
+  std::vector<double> values;
+};
+
+Dataset read_dataset(const fs::path &file, const std::string &name) {
+  Dataset result;
+  const hid_t handle = H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  if (handle < 0) return result;
+  const hid_t dataset = H5Dopen2(handle, name.c_str(), H5P_DEFAULT);
+  if (dataset >= 0) {
+    const hid_t space = H5Dget_space(dataset);
+    result.shape.resize(static_cast<std::size_t>(H5Sget_simple_extent_ndims(space)));
+    H5Sget_simple_extent_dims(space, result.shape.data(), nullptr);
+    result.values.resize(static_cast<std::size_t>(H5Sget_simple_extent_npoints(space)));
+    H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, result.values.data());
+    H5Sclose(space);
+    H5Dclose(dataset);
+  }
+  H5Fclose(handle);
+  return result;
+}
+
+/// @return whether every tag is closed in its turn
+bool is_well_formed(const std::string &xml) {
+  static const std::regex tag(R"(<(/?)([A-Za-z]+)((?:\s+[A-Za-z]+="[^"<]*")*)\s*(/?)>)");
+  std::vector<std::string> open;
+  for (std::sregex_iterator match(xml.begin(), xml.end(), tag), end; match != end; ++match) {
+    const bool closes = (*match)[1].length() > 0, empty = (*match)[4].length() > 0;
+    if (!closes && !empty) open.push_back((*match)[2]);
+    if (!closes) continue;
+    if (open.empty() || open.back() != (*match)[2]) return false;
+    open.pop_back();
+  }
+  const auto tags = std::distance(std::sregex_iterator(xml.begin(), xml.end(), tag), {});
+  return open.empty() && tags + 1 == std::count(xml.begin(), xml.end(), '<');  // 1: <?xml ... ?>
+}
+
+class SnapshotTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    MPI_Comm_rank(PETSC_COMM_WORLD, &rank_);
+    MPI_Comm_size(PETSC_COMM_WORLD, &ranks_);
+    std::string name = testing::TempDir() + "/trefoil_snapshot_XXXXXX";
+    if (rank_ == 0 && mkdtemp(name.data()) == nullptr) ADD_FAILURE() << "cannot make " << name;
+    MPI_Bcast(name.data(), static_cast<int>(name.size()), MPI_CHAR, 0, PETSC_COMM_WORLD);
+    directory_ = name;
+    PetscPushErrorHandler(PetscReturnErrorHandler, nullptr);
+  }
+
+  void TearDown() override {
+    PetscPopErrorHandler();
+    MPI_Barrier(PETSC_COMM_WORLD);
+    if (rank_ == 0) fs::remove_all(directory_);
+  }
+
+  Snapshot part_of(const Bar &bar, const Split &split) const {
+    Snapshot part{bar.dim, bar.corners(), {}, {}, {}};
+    Snapshot::Field displacement{"displacement", true, 3, {}}, temperature{"root <n>", true, 1, {}};
+    Snapshot::Field energy{"energy_density", false, 1, {}};
+    for (int vertex = 0; vertex < bar.vertices(); ++vertex) {
+      if (split(vertex, bar.vertices(), ranks_) != rank_) continue;
+      for (int axis = 0; axis < bar.dim; ++axis)
+        part.points.push_back(bar.coordinate(vertex, axis));
+      for (int axis = 0; axis < 3; ++axis)
+        displacement.values.push_back(vector_value(vertex, axis));
+      temperature.values.push_back(vertex_value(vertex));
+    }
+    for (int cell = 0; cell < bar.cells(); ++cell) {
+      if (split(cell, bar.cells(), ranks_) != rank_) continue;
+      for (int corner = 0; corner < bar.corners(); ++corner)
+        part.cells.push_back(bar.corner(cell, corner));
+      energy.values.push_back(cell_value(cell));
+    }
+    part.fields = {displacement, temperature, energy};
+    return part;
+  }
+
+  void expect_dataset(const std::string &name, int rows, int columns,
+                      const std::function<double(int, int)> &expected) const {
+    const Dataset dataset = read_dataset(directory_ / "bar.h5", name);
+    std::vector<hsize_t> shape{static_cast<hsize_t>(rows)};
+    if (columns > 1) shape.push_back(static_cast<hsize_t>(columns));
+    ASSERT_EQ(dataset.shape, shape) << name;
+    for (int row = 0; row < rows; ++row)
+      for (int column = 0; column < columns; ++column)
+        ASSERT_EQ(dataset.values[static_cast<std::size_t>(row * columns + column)],
+                  expected(row, column))
+            << name << ' ' << row << ' ' << column;
+  }
+
+  void expect_whole(const Bar &bar) const {
+    expect_dataset("/points", bar.vertices(), 3, [&](int vertex, int axis) {
+      return axis < bar.dim ? bar.coordinate(vertex, axis) : 0.0;
+    });
+    expect_dataset("/cells", bar.cells(), bar.corners(), [&](int cell, int corner) {
+      return static_cast<double>(bar.corner(cell, corner));
+    });
+    expect_dataset("/vertex_fields/displacement", bar.vertices(), 3, vector_value);
+    expect_dataset("/vertex_fields/root <n>", bar.vertices(), 1,
+                   [](int vertex, int) { return vertex_value(vertex); });
+    expect_dataset("/cell_fields/energy_density", bar.cells(), 1,
+                   [](int cell, int) { return cell_value(cell); });
+  }
+
+  /// Every DataItem names a dataset of the file beside, with the dimensions it says.
+  void expect_description(const Bar &bar) const {
+    std::ifstream stream(directory_ / "bar.xdmf");
+    const std::string xml{std::istreambuf_iterator<char>(stream), {}};
+    EXPECT_TRUE(is_well_formed(xml)) << xml;
+    for (const char *words : {bar.dim == 3 ? "\"Tetrahedron\"" : "\"Triangle\"",
+                              R"(Name="displacement" AttributeType="Vector" Center="Node")",
+                              R"(Name="energy_density" AttributeType="Scalar" Center="Cell")"})
+      EXPECT_NE(xml.find(words), std::string::npos) << words;
+    static const std::regex item(R"(Dimensions="([0-9 ]+)\">bar\.h5:([^\n]+)</DataItem>)");
+    int items = 0;
+    for (std::sregex_iterator match(xml.begin(), xml.end(), item), end; match != end; ++match) {
+      const std::string name = std::regex_replace(
+          std::regex_replace((*match)[2].str(), std::regex("&lt;"), "<"), std::regex("&gt;"), ">");
+      std::istringstream numbers((*match)[1]);
+      const std::vector<hsize_t> shape{std::istream_iterator<hsize_t>(numbers), {}};
+      EXPECT_EQ(read_dataset(directory_ / "bar.h5", name).shape, shape) << name;
+      ++items;
+    }
+    EXPECT_EQ(items, 5);
+  }
+
+  [[nodiscard]] int files_in_directory() const {
+    return static_cast<int>(std::distance(fs::directory_iterator(directory_), {}));
+  }
+
+  /// Both functions refuse `path` on all ranks, with a sentence that holds `words`.
+  void expect_refusal(const fs::path &path, const std::string &words) const {
+    const Snapshot part = part_of({3, 2}, evenly);
+    for (const bool only_asked : {true, false}) {
+      EXPECT_EQ(only_asked ? check_writable(PETSC_COMM_WORLD, path)
+                           : write_snapshot(PETSC_COMM_WORLD, path, part),
+                PETSC_ERR_FILE_OPEN);
+      char *sentence = nullptr;
+      PetscErrorMessage(PETSC_ERR_FILE_OPEN, nullptr, &sentence);
+      ASSERT_NE(sentence, nullptr);
+      EXPECT_NE(std::string(sentence).find(words), std::string::npos) << sentence;
+      EXPECT_NE(std::string(sentence).find(path.stem()), std::string::npos) << sentence;
+    }
+    MPI_Barrier(PETSC_COMM_WORLD);
+  }
+
+  int rank_ = 0, ranks_ = 1;
+  fs::path directory_;
+};
+
+TEST_F(SnapshotTest, ReadsBackWhatWasWritten) {
+  for (const Split &split : {Split(evenly), Split(last_rank_empty), Split(all_on_last_rank)})
+    for (const Bar &bar : {Bar{3, 4}, Bar{2, 5}, Bar{3, 1}}) {
+      ASSERT_EQ(check_writable(PETSC_COMM_WORLD, directory_ / "bar.xdmf"), PETSC_SUCCESS);
+      ASSERT_EQ(write_snapshot(PETSC_COMM_WORLD, directory_ / "bar.xdmf", part_of(bar, split)),
+                PETSC_SUCCESS);
+      if (rank_ == 0) {
+        expect_whole(bar);
+        expect_description(bar);
+        EXPECT_EQ(files_in_directory(), 2);
+      }
+      MPI_Barrier(PETSC_COMM_WORLD);
+    }
+}
+
+TEST_F(SnapshotTest, WritesIntoTheWorkingDirectoryButOnlyWhenTold) {
+  const fs::path before = fs::current_path();
+  fs::current_path(directory_);
+  EXPECT_EQ(check_writable(PETSC_COMM_WORLD, "bar.xdmf"), PETSC_SUCCESS);
+  EXPECT_EQ(files_in_directory(), 0);
+  MPI_Barrier(PETSC_COMM_WORLD);
+  EXPECT_EQ(write_snapshot(PETSC_COMM_WORLD, "bar.xdmf", part_of({3, 2}, evenly)), PETSC_SUCCESS);
+  fs::current_path(before);
+  EXPECT_EQ(files_in_directory(), 2);
+}
+
+TEST_F(SnapshotTest, RefusesAMissingDirectory) {
+  expect_refusal(directory_ / "nowhere" / "bar.xdmf", "there is no directory");
+  EXPECT_EQ(files_in_directory(), 0);
+}
+
+TEST_F(SnapshotTest, RefusesAnUnwritableDirectory) {
+  // Root may write everywhere, but into /proc.
+  const fs::path directory = geteuid() == 0 ? "/proc" : directory_ / "locked";
+  if (rank_ == 0 && geteuid() != 0) {
+    fs::create_directory(directory);
+    fs::permissions(directory, fs::perms::owner_read | fs::perms::owner_exec);
+  }
+  MPI_Barrier(PETSC_COMM_WORLD);
+  expect_refusal(directory / "bar.xdmf", "cannot write");
+  EXPECT_FALSE(fs::exists(directory / "bar.xdmf") || fs::exists(directory / "bar.h5.part"));
+}
+
+TEST_F(SnapshotTest, RefusesWhereADirectoryStands) {
+  for (const char *name : {"bar.xdmf", "bar.h5"}) {
+    if (rank_ == 0) fs::create_directory(directory_ / name);
+    MPI_Barrier(PETSC_COMM_WORLD);
+    expect_refusal(directory_ / "bar.xdmf", "directory of this name");
+    EXPECT_EQ(files_in_directory(), 1);
+    MPI_Barrier(PETSC_COMM_WORLD);
+    if (rank_ == 0) fs::remove(directory_ / name);
+  }
+}
+
+TEST_F(SnapshotTest, RefusesOtherNames) {
+  expect_refusal(directory_ / "bar.vtu", "must end in .xdmf");
+  expect_refusal(directory_ / "a:bar.xdmf", "colon");
+}
+
+TEST_F(SnapshotTest, RefusesArraysThatDoNotFit) {
+  Snapshot part = part_of({3, 2}, evenly);
+  if (rank_ == ranks_ - 1) part.fields[0].values.push_back(0);
+  EXPECT_EQ(write_snapshot(PETSC_COMM_WORLD, directory_ / "bar.xdmf", part), PETSC_ERR_ARG_SIZ);
+  EXPECT_EQ(files_in_directory(), 0);
+}
+
+TEST_F(SnapshotTest, AFullDiskKeepsTheOldFiles) {
+  const fs::path path = directory_ / "bar.xdmf";
+  const Bar old_bar{3, 1};
+  ASSERT_EQ(write_snapshot(PETSC_COMM_WORLD, path, part_of(old_bar, evenly)), PETSC_SUCCESS);
+  // A limit on the size of files stands for the disk.
+  rlimit before{};
+  getrlimit(RLIMIT_FSIZE, &before);
+  const rlimit small{4096, before.rlim_max};
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  setrlimit(RLIMIT_FSIZE, &small);
+  EXPECT_EQ(write_snapshot(PETSC_COMM_WORLD, path, part_of({3, 40}, evenly)), PETSC_ERR_FILE_OPEN);
+  setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, handler);
+  EXPECT_EQ(files_in_directory(), 2);
+  if (rank_ == 0) expect_whole(old_bar);
+}
+
+}  // namespace
+}  // namespace trefoil
