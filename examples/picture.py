@@ -48,10 +48,12 @@ class Result:
 
 
 def outer_surface(points, cells):
-    """Triangles (n x 3) that belong to one cell only, seen anticlockwise from outside, and those
-    cells (n)."""
+    """Triangles (n x 3) that belong to one cell only, anticlockwise seen from outside (of a flat
+    body: from above), and those cells (n)."""
     if cells.shape[1] == 3:
-        return cells, np.arange(len(cells))
+        a, b, c = (points[cells[:, corner]] for corner in range(3))
+        clockwise = np.cross(b - a, c - a)[:, 2] < 0
+        return np.where(clockwise[:, None], cells[:, ::-1], cells), np.arange(len(cells))
     corners = np.array([[1, 2, 3, 0], [0, 3, 2, 1], [0, 1, 3, 2], [0, 2, 1, 3]])  # face, opposite
     faces = cells[:, corners].reshape(-1, 4)
     _, first, times = np.unique(np.sort(faces[:, :3], axis=1), axis=0,
