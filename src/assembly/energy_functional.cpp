@@ -9,11 +9,11 @@ namespace trefoil {
 namespace {
 
 PetscErrorCode sum_over_ranks(DM dm, EnergySums *sums) {
-  double values[2] = {sums->energy, sums->scale};
+  double values[3] = {sums->energy, sums->scale, sums->stiffness};
   PetscFunctionBeginUser;
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, values, 2, MPI_DOUBLE, MPI_SUM,
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, values, 3, MPI_DOUBLE, MPI_SUM,
                              PetscObjectComm(reinterpret_cast<PetscObject>(dm))));
-  *sums = {values[0], values[1]};
+  *sums = {values[0], values[1], values[2]};
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -169,7 +169,8 @@ PetscErrorCode energy_scale(SNES, Vec x, PetscReal *scale, void *ctx) {
   EnergySums sums;
   PetscFunctionBeginUser;
   PetscCall(static_cast<EnergyFunctional *>(ctx)->energy(x, &sums));
-  *scale = sums.scale;
+  // A body at rest has no energy to compare with; strains of 1e-9 count as rest.
+  *scale = std::max(sums.scale, 1e-18 * sums.stiffness);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -42,8 +42,8 @@ PetscErrorCode evaluate_trial_residual(SolveContext &context, Line &line) {
   if (line.trial_residual_known) PetscFunctionReturn(PETSC_SUCCESS);
   const Phase phase = context.clock.switch_to(Phase::assembly);
   PetscCall(SNESComputeFunction(context.snes, line.trial, line.trial_residual));
-  context.clock.switch_to(phase);
   PetscCall(VecDot(line.trial_residual, line.minus_d, &slope));
+  context.clock.switch_to(phase);  // after the dot product, in which ranks wait for each other
   line.trial_slope = -PetscRealPart(slope);
   line.trial_residual_known = true;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -227,9 +227,10 @@ static PetscErrorCode open_line(SolveContext &context, SNESLineSearch search, Li
   PetscCall(SNESLineSearchPreCheck(search, line.x, line.minus_d, &changed));
   PetscCall(SNESGetKSP(context.snes, &ksp));
   PetscCall(KSPGetIterationNumber(ksp, &linear_iterations));
-  PetscCall(energy_at(context, line.x, &line.energy));
   PetscCall(VecDot(line.residual, line.minus_d, &slope));
   line.slope = -PetscRealPart(slope);
+  context.clock.switch_to(Phase::line_search);  // ranks have waited for each other's solve
+  PetscCall(energy_at(context, line.x, &line.energy));
 
   current.energy = line.energy;
   current.decrement = std::abs(line.slope) / 2;
@@ -280,7 +281,6 @@ static PetscErrorCode SNESLineSearchApply_Trefoil(SNESLineSearch search) {
   PetscCall(SNESLineSearchGetSNES(search, &snes));
   PetscCall(get_solve_context(snes, &context));
   PetscCall(begin_solve(*context));
-  context->clock.switch_to(Phase::line_search);
   PetscCall(PetscLogEventBegin(event_search, search, nullptr, nullptr, nullptr));
   PetscCall(open_line(*context, search, line));
   PetscCall(refuse_bad_direction(*context, search, line.slope, &refused));

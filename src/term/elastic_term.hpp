@@ -27,6 +27,9 @@ class ElasticTerm final : public Term {
     Matrix3<double> identity;
     for (int i = 0; i < 3; ++i) identity(i, i) = 1;
     rest_density_ = material_.energy_density(identity);
+    Tangent<double> tangent;
+    material_.tangent(identity, tangent);
+    for (std::size_t p = 0; p < 9; ++p) mean_stiffness_ += tangent[10 * p] / 9;
   }
 
   void add_energy(const double *u, EnergySums *sums) const override {
@@ -34,6 +37,7 @@ class ElasticTerm final : public Term {
       const double density = material_.energy_density(F);
       sums->energy += density * tet.volume;
       sums->scale += std::abs(density - rest_density_) * tet.volume;
+      sums->stiffness += mean_stiffness_ * tet.volume;
     });
   }
 
@@ -98,7 +102,7 @@ class ElasticTerm final : public Term {
   const Mesh &mesh_;
   M material_;
   std::vector<Tet4> elements_;
-  double rest_density_ = 0;
+  double rest_density_ = 0, mean_stiffness_ = 0;
 };
 
 }  // namespace trefoil

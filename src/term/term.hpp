@@ -20,6 +20,7 @@ class ElementHessianSink {
 struct EnergySums {
   double energy = 0;  ///< sum of psi V
   double scale = 0;   ///< sum of |psi - psi(I)| V, or the work of a load: free of rest offsets
+  double stiffness = 0;  ///< energy of a strain of order one: what rounding is small against
 };
 
 /// One summand of a scene's energy. A scene lists its terms; a term it does not name is never made.
