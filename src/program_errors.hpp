@@ -8,15 +8,22 @@ namespace trefoil {
 /// Works before PetscInitialize.
 void keep_errors();
 
-/// The first error's sentence; empty where there was none.
-std::string kept_error();
+/// Keeps the sentence of an error that PETSc does not know of.
+void keep_error(const std::string &sentence);
+
+/// Reads the files of -options_file on the first rank and throws them away. PetscInitialize reads
+/// them there too, but a file that cannot be read makes it wait for ever on the other ranks; here
+/// all ranks learn of it. Collective; works before PetscInitialize, not after.
+/// @return whether PetscInitialize will be able to read them; otherwise an error is kept
+bool can_read_options_files(int argc, char **argv);
 
 /// One thread a rank in BLAS and in OpenMP, unless the user's environment says otherwise: element
 /// matrices are too small for more, and ranks would fight for cores.
 void use_one_thread_a_rank();
 
-/// Ends MPI in order if all ranks come here within some seconds, with an abort otherwise: no rank
-/// is left waiting for one that has failed. Returns `status`.
+/// Ends MPI. Where `status` is 1 on some rank, the lowest such rank prints the error that it kept,
+/// as one line, and 1 is the status of all. Ranks that have failed wait some seconds for the others
+/// and then abort them: no rank is left waiting for one that has failed.
 int finish_ranks(int status);
 
 }  // namespace trefoil

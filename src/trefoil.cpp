@@ -6,7 +6,8 @@
 
 #include <petsctime.h>
 
-#include <cstdio>
+#include <exception>
+#include <string>
 
 #include "output/result.hpp"
 #include "petsc_compatibility.hpp"
@@ -55,21 +56,22 @@ static PetscErrorCode run(double begin, bool *converged) {
 }
 
 int main(int argc, char **argv) {
+  constexpr int bad_input = 1, not_converged = 3;
   bool converged = false;
   MPI_Init(&argc, &argv);
   const double begin = MPI_Wtime();
   trefoil::use_one_thread_a_rank();
   trefoil::keep_errors();
+  if (!trefoil::can_read_options_files(argc, argv)) return trefoil::finish_ranks(bad_input);
   PetscErrorCode error = PetscInitialize(&argc, &argv, nullptr, help);
-  if (!error) {
-    trefoil::keep_errors();  // PetscInitialize may have installed its own
+  if (error) return trefoil::finish_ranks(bad_input);
+  trefoil::keep_errors();  // PetscInitialize may have installed its own
+  try {
     error = run(begin, &converged);
+  } catch (const std::exception &problem) {
+    trefoil::keep_error(std::string("stopped by an unexpected error: ") + problem.what());
+    return trefoil::finish_ranks(bad_input);
   }
-  if (error) {
-    int rank = 0;
-    MPI_Comm_rank(MPI_COMM_WORLD, &rank);
-    if (rank == 0) std::fprintf(stderr, "trefoil: %s\n", trefoil::kept_error().c_str());
-    return trefoil::finish_ranks(1);
-  }
-  return trefoil::finish_ranks(converged ? 0 : 3);
+  if (error) return trefoil::finish_ranks(bad_input);
+  return trefoil::finish_ranks(converged ? 0 : not_converged);
 }

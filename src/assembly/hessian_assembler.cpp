@@ -4,6 +4,7 @@
 
 #include "filter/filter.hpp"
 #include "petsc_compatibility.hpp"
+#include "snes/log_events.hpp"
 
 namespace trefoil {
 
@@ -25,10 +26,12 @@ PetscErrorCode HessianAssembler::flush() {
     PetscLogDouble begin = 0, end = 0;
     negatives_.resize(hessians_.size());
     negative_counts_.resize(static_cast<std::size_t>(batch_));
+    PetscCall(PetscLogEventBegin(event_filter, nullptr, nullptr, nullptr, nullptr));
     PetscCall(PetscTime(&begin));
     const SplitResult result =
         split(n_, batch_, hessians_.data(), negatives_.data(), negative_counts_.data());
     PetscCall(PetscTime(&end));
+    PetscCall(PetscLogEventEnd(event_filter, nullptr, nullptr, nullptr, nullptr));
     PetscCheck(result.status == SplitStatus::ok || result.status == SplitStatus::not_finite,
                PETSC_COMM_SELF, PETSC_ERR_LIB, "LAPACK found no eigenvalues of an element Hessian");
     statistics_.filter_seconds += end - begin;

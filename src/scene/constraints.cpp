@@ -43,7 +43,11 @@ PetscInt hold(const Mesh &mesh, const std::vector<ConstraintOptions> &constraint
   PetscInt taken = 0;
   for (PetscInt v = 0; v < mesh.local_vertices(); ++v) {
     const double *position = &mesh.coordinates[static_cast<std::size_t>(3 * v)];
-    if (where.evaluate(position, time, 1)[0] == 0) continue;
+    const double chosen = where.evaluate(position, time, 1)[0];
+    if (Expression::is_free(chosen)) {
+      throw InputError(option + "_where: 'free' is for displacements, not for a choice of vertices");
+    }
+    if (chosen == 0) continue;
     taken += mesh.owned[static_cast<std::size_t>(v)];
     const std::vector<double> target = move.evaluate(position, time, 3);
     for (int i = 0; i < 3; ++i) {

@@ -1,6 +1,7 @@
 #include "scene/option_reader.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <sstream>
 
@@ -55,7 +56,12 @@ PetscErrorCode OptionReader::text(const std::string &name, const std::string &he
   bool found = false;
   PetscFunctionBeginUser;
   PetscCall(find(name, help, *value, &given, &found));
-  if (found) *value = given ? given : "";
+  if (!found) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCheck(given && *given, comm_, PETSC_ERR_USER_INPUT,
+             "-%s is given without a value; one that begins with a minus sign and a letter needs "
+             "brackets on the command line: \"-(x), 0, 0\"",
+             name.c_str());
+  *value = given;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -82,9 +88,9 @@ PetscErrorCode OptionReader::integer(const std::string &name, const std::string 
   auto read = static_cast<double>(*value);
   PetscFunctionBeginUser;
   PetscCall(number(name, help, &read));
+  PetscCheck(read == std::floor(read) && std::abs(read) < 2147483648., comm_, PETSC_ERR_USER_INPUT,
+             "-%s is %g, which is not a whole number below 2^31", name.c_str(), read);
   *value = static_cast<PetscInt>(read);
-  PetscCheck(static_cast<double>(*value) == read, comm_, PETSC_ERR_USER_INPUT,
-             "-%s is %g, which is not a whole number", name.c_str(), read);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -117,6 +123,24 @@ PetscErrorCode OptionReader::names(const std::string &name, const std::string &h
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+const std::string &OptionReader::nearest(const std::string &option) const {
+  return *std::min_element(known_.begin(), known_.end(), [&](const auto &a, const auto &b) {
+    return distance(a, option) < distance(b, option);
+  });
+}
+
+bool OptionReader::is_misspelt(const std::string &option,
+                               const std::vector<std::string> &prefixes) const {
+  if (known_.count(option)) return false;
+  const bool ours = std::any_of(prefixes.begin(), prefixes.end(), [&](const std::string &prefix) {
+    return option.rfind(prefix, 0) == 0;
+  });
+  // A prefix may be misspelt as well. Names of PETSc are farther from ours than that.
+  constexpr std::size_t letters_an_error = 4, most_errors = 2;
+  const std::string &name = nearest(option);
+  return ours || distance(name, option) <= std::min(name.size() / letters_an_error, most_errors);
+}
+
 PetscErrorCode OptionReader::refuse_unknown(const std::vector<std::string> &prefixes) const {
   PetscInt count = 0;
   char **unused_names = nullptr, **unused_values = nullptr;
@@ -124,21 +148,16 @@ PetscErrorCode OptionReader::refuse_unknown(const std::vector<std::string> &pref
   PetscCall(PetscOptionsLeftGet(nullptr, &count, &unused_names, &unused_values));
   std::string culprit;
   for (PetscInt i = 0; i < count && culprit.empty(); ++i) {
-    const std::string option = unused_names[i];
-    const bool ours = std::any_of(prefixes.begin(), prefixes.end(), [&](const std::string &prefix) {
-      return option.rfind(prefix, 0) == 0;
-    });
-    if (ours && !known_.count(option)) culprit = option;
+    if (is_misspelt(unused_names[i], prefixes)) culprit = unused_names[i];
   }
   PetscCall(PetscOptionsLeftRestore(nullptr, &count, &unused_names, &unused_values));
   if (culprit.empty()) PetscFunctionReturn(PETSC_SUCCESS);
-  const auto nearest =
-      std::min_element(known_.begin(), known_.end(), [&](const auto &a, const auto &b) {
-        return distance(a, culprit) < distance(b, culprit);
-      });
-  SETERRQ(comm_, PETSC_ERR_USER_INPUT,
-          "there is no option -%s here; did you mean -%s? (-help lists all)", culprit.c_str(),
-          nearest->c_str());
+  const std::string suggestion = nearest(culprit);
+  const bool near = distance(suggestion, culprit) <= culprit.size() / 3;
+  const bool of_constraint = culprit.rfind("constraint_", 0) == 0;
+  SETERRQ(comm_, PETSC_ERR_USER_INPUT, "there is no option -%s here%s%s%s; -help lists all",
+          culprit.c_str(), near ? ", perhaps you mean -" : "", near ? suggestion.c_str() : "",
+          of_constraint ? "; the names of the constraints come from -constraints" : "");
 }
 
 }  // namespace trefoil

@@ -25,13 +25,16 @@ class OptionReader {
   PetscErrorCode names(const std::string &name, const std::string &help,
                        std::vector<std::string> *value);
 
-  /// Refuses options that begin with one of `prefixes` and were never asked for, and suggests the
-  /// nearest name. Call it when all have been read.
+  /// Refuses options that begin with one of `prefixes`, or nearly have a known name, and were never
+  /// asked for; suggests the nearest name. Call it when all have been read.
   PetscErrorCode refuse_unknown(const std::vector<std::string> &prefixes) const;
 
  private:
   PetscErrorCode find(const std::string &name, const std::string &help,
                       const std::string &default_text, const char **value, bool *found);
+  /// The known name that is most like `option`.
+  const std::string &nearest(const std::string &option) const;
+  bool is_misspelt(const std::string &option, const std::vector<std::string> &prefixes) const;
 
   MPI_Comm comm_;
   bool help_ = false;

@@ -2,6 +2,8 @@
 
 #include <petsctime.h>
 
+#include <cmath>
+
 #include "material/stable_neo_hookean.hpp"
 #include "mesh/check_mesh.hpp"
 #include "mesh/generate.hpp"
@@ -30,6 +32,18 @@ CellList prepare_mesh(const SceneOptions &options, PetscInt *unused, PetscInt *d
   return whole;
 }
 
+/// Refuses what PetscInt cannot number: each refinement cuts a tetrahedron into eight.
+PetscErrorCode check_refined_size(MPI_Comm comm, const CellList &whole, PetscInt refine) {
+  PetscInt cells = whole.size();  // none but on the first rank
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Bcast(&cells, 1, MPIU_INT, 0, comm));
+  const double entries = 4. * cells * std::pow(8., refine);
+  PetscCheck(entries < PETSC_MAX_INT, comm, PETSC_ERR_USER_INPUT,
+             "-mesh_refine %" PetscInt_FMT " would make more than %.1g tetrahedra; refine less",
+             refine, PETSC_MAX_INT / 4.);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode load_mesh(MPI_Comm comm, const SceneOptions &options, Mesh *mesh) {
   PetscMPIInt rank = 0, ranks = 0;
   PetscInt unused = 0, dropped = 0;
@@ -52,6 +66,7 @@ PetscErrorCode load_mesh(MPI_Comm comm, const SceneOptions &options, Mesh *mesh)
   }
   // A generated mesh was refined where it was generated, true to its curved boundary.
   const PetscInt refine = options.mesh_file.empty() ? 0 : options.refine;
+  PetscCall(check_refined_size(comm, whole, refine));
   PetscCall(distribute_mesh(comm, whole, options.partitioner, refine, mesh));
   PetscCall(PetscPrintf(comm, "mesh: %s, %" PetscInt_FMT " vertices, %" PetscInt_FMT " tetrahedra",
                         mesh_name(options).c_str(), mesh->total_vertices, mesh->total_cells));

@@ -1,6 +1,9 @@
 #include "scene/scene_options.hpp"
 
-#include <array>
+#include <petscpartitioner.h>
+
+#include <algorithm>
+#include <filesystem>
 
 #include "petsc_compatibility.hpp"
 #include "scene/option_reader.hpp"
@@ -13,6 +16,8 @@ PetscErrorCode read_constraints(MPI_Comm comm, OptionReader &reader, SceneOption
   PetscFunctionBeginUser;
   PetscCall(reader.names("constraints", "Names of the constraints, separated by commas", &names));
   for (const std::string &name : names) {
+    PetscCheck(std::count(names.begin(), names.end(), name) == 1, comm, PETSC_ERR_USER_INPUT,
+               "-constraints names '%s' twice; give each constraint its own name", name.c_str());
     ConstraintOptions constraint{name, "", "0, 0, 0"};
     PetscCall(reader.text("constraint_" + name + "_where",
                           "Which vertices: an expression in x y z t xmin..zmax",
@@ -39,10 +44,55 @@ PetscErrorCode check_choice(MPI_Comm comm, const char *option, const std::string
           list.c_str());
 }
 
+/// Checked here and not only where a mesh is partitioned, which on one rank none is.
+PetscErrorCode check_partitioner(MPI_Comm comm, const std::string &name) {
+  PetscErrorCode (*create)(PetscPartitioner) = nullptr;
+  PetscFunctionBeginUser;
+  if (name == "metis") PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscPartitionerInitializePackage());
+  PetscCall(PetscFunctionListFind(PetscPartitionerList, name.c_str(), &create));
+  PetscCheck(create, comm, PETSC_ERR_USER_INPUT,
+             "there is no partitioner '%s' (-mesh_partitioner); use metis or ptscotch",
+             name.c_str());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+bool is_same_file(const std::string &one, const std::string &other) {
+  const auto normal = [](const std::string &path) {
+    std::error_code ignored;
+    const auto whole = std::filesystem::weakly_canonical(path, ignored);
+    return ignored ? std::filesystem::path(path) : whole;
+  };
+  return !one.empty() && !other.empty() && normal(one) == normal(other);
+}
+
+/// No file is written over another that is read or written.
+PetscErrorCode check_files(MPI_Comm comm, const SceneOptions &options) {
+  PetscFunctionBeginUser;
+  const std::string data =
+      options.output_file.empty()
+          ? ""
+          : std::filesystem::path(options.output_file).replace_extension(".h5").string();
+  for (const std::string &other : {options.mesh_file, options.output_file, data}) {
+    PetscCheck(!is_same_file(options.record_file, other), comm, PETSC_ERR_USER_INPUT,
+               "-snes_trefoil_record would write over '%s'; give the record another name",
+               other.c_str());
+  }
+  for (const std::string &written : {options.output_file, data}) {
+    PetscCheck(!is_same_file(written, options.mesh_file), comm, PETSC_ERR_USER_INPUT,
+               "-output_file would write over the mesh '%s'; give the output another name",
+               written.c_str());
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode check_values(MPI_Comm comm, const SceneOptions &options) {
   PetscFunctionBeginUser;
   PetscCheck(options.mesh_file.empty() != options.generate.empty(), comm, PETSC_ERR_USER_INPUT,
-             "a scene has one mesh: give either -mesh_file or -mesh_generate");
+             options.mesh_file.empty()
+                 ? "there is no mesh: give -mesh_file or -mesh_generate"
+                 : "a scene has one mesh: give either -mesh_file or -mesh_generate, not both");
+  PetscCall(check_partitioner(comm, options.partitioner));
   PetscCall(check_choice(comm, "mesh_repair", options.repair, {"none", "drop"}));
   PetscCheck(options.refine >= 0 && options.resolution >= 0, comm, PETSC_ERR_USER_INPUT,
              "-mesh_refine and -mesh_resolution must not be negative");
@@ -57,6 +107,7 @@ PetscErrorCode check_values(MPI_Comm comm, const SceneOptions &options) {
              options.poisson);
   PetscCheck(options.lame == "physical" || options.poisson > 0, comm, PETSC_ERR_USER_INPUT,
              "-material_lame raw needs a positive Poisson's ratio, not %g", options.poisson);
+  PetscCall(check_files(comm, options));
   PetscCall(check_choice(comm, "initial", options.initial, {"rest"}));
   PetscCheck(options.order == 1, comm, PETSC_ERR_USER_INPUT,
              "-order is %" PetscInt_FMT "; only linear elements (1) are there yet", options.order);

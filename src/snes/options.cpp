@@ -82,11 +82,17 @@ PetscErrorCode set_options(SolveContext &context) {
   PetscReal rho_tolerance = options.rule.rho_tolerance, weight = options.rule.weight;
   PetscReal decrement = options.decrement_tolerance, energy = options.energy_tolerance;
   PetscReal shrink = options.shrink, armijo = options.armijo;
+  PetscOptions database = nullptr;
+  const char *prefix = nullptr;
 
   PetscFunctionBeginUser;
   PetscCall(refuse_misspelt(context.snes));
   const std::string filter_help = "Filter of the element Hessians: " + join(rule_names());
-  PetscObjectOptionsBegin(reinterpret_cast<PetscObject>(context.snes));
+  PetscCall(PetscObjectGetOptions(reinterpret_cast<PetscObject>(context.snes), &database));
+  PetscCall(SNESGetOptionsPrefix(context.snes, &prefix));
+  // With a title of our own: -help lists only the first of several parts with the same title.
+  PetscOptionsBegin(comm, prefix, "Trust-region eigenvalue filter (Trefoil)", "SNES");
+  PetscOptionsObject->options = database;
   PetscCall(PetscOptionsString("-snes_trefoil_filter", filter_help.c_str(), "",
                                options.filter.c_str(), filter.data(), filter.size(), &found));
   if (found) options.filter = filter.data();

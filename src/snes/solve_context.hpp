@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "snes/iteration_record.hpp"
+#include "snes/log_events.hpp"
 #include "snes/phase_clock.hpp"
 #include "snes/rule.hpp"
 #include "trefoil.h"
@@ -96,8 +97,6 @@ PetscErrorCode make_record(SolveContext &context, std::string *json);
 PetscErrorCode write_text_file(MPI_Comm comm, const std::string &path, const std::string &text);
 /// Whether `path` can be written; leaves nothing behind. Collective.
 PetscErrorCode check_text_file(MPI_Comm comm, const std::string &path);
-
-extern PetscLogEvent event_filter, event_assembly, event_search;
 
 }  // namespace trefoil
 

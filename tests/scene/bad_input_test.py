@@ -1,0 +1,423 @@
+#!/usr/bin/python3
+"""Input that makes no scene: one clear sentence from one rank, exit status 1 on all, nothing left.
+
+The program is $TREFOIL; every case runs on one rank and on two.
+"""
+
+import json
+import os
+import pathlib
+import subprocess
+import tempfile
+import unittest
+
+TREFOIL = os.environ["TREFOIL"]
+SECONDS = 60  # a rank that hangs fails the test
+
+# What each rank says of itself: mpirun alone would report the first rank, and kill the others.
+RANK = '"$@"; echo $? > "$STATUS_DIRECTORY/status.${OMPI_COMM_WORLD_RANK:-0}"'
+
+TETS = "Tetrahedra 1\n1 2 3 4 0\n"
+MEDIT = "MeshVersionFormatted 2\nDimension 3\n"
+CORNERS = "0 0 0 0\n1 0 0 0\n0 1 0 0\n0 0 1 0\n"
+ONE_TET = MEDIT + "Vertices 4\n" + CORNERS + TETS + "End\n"
+FAR_CORNERS = "5 0 0 0\n6 0 0 0\n5 1 0 0\n5 0 1 0\n"
+# Tetrahedra 2 and 3 of four are of no use: one is flat, one is turned round.
+TWO_BAD = (MEDIT + "Vertices 8\n" + CORNERS + FAR_CORNERS +
+           "Tetrahedra 4\n1 2 3 4 0\n1 2 3 3 0\n1 3 2 4 0\n5 6 7 8 0\nEnd\n")
+TWO_PARTS = (MEDIT + "Vertices 8\n" + CORNERS + FAR_CORNERS +
+             "Tetrahedra 2\n1 2 3 4 0\n5 6 7 8 0\nEnd\n")
+# The last vertex belongs to no tetrahedron.
+UNUSED_VERTEX = TWO_PARTS.replace("Vertices 8\n", "Vertices 9\n").replace(
+    "Tetrahedra", "9 9 9 0\nTetrahedra")
+GMSH = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n"
+NODES = "$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n$EndNodes\n"
+
+FILES = {
+    "empty.mesh": "",
+    "truncated.mesh": ONE_TET[:60],
+    "binary.mesh": bytes(range(256)) * 40,
+    "zeros.msh": bytes(4096),
+    "picture.mesh": "solid cube\n facet normal 0 0 1\n",
+    "no_tets.mesh": MEDIT + "Vertices 4\n" + CORNERS + "End\n",
+    "high_index.mesh": ONE_TET.replace("1 2 3 4 0", "1 2 3 5 0"),
+    "zero_index.mesh": ONE_TET.replace("1 2 3 4 0", "0 1 2 3 0"),
+    "fractional_index.mesh": ONE_TET.replace("1 2 3 4 0", "1 2 3 4.5 0"),
+    "nan.mesh": ONE_TET.replace("0 0 1 0", "0 0 nan 0"),
+    "huge_count.mesh": ONE_TET.replace("Vertices 4", "Vertices 4000000000"),
+    "minus_count.mesh": ONE_TET.replace("Vertices 4", "Vertices -4"),
+    "flat.mesh": MEDIT + "Dimension 2\nVertices 1\n0 0 0\n",
+    "hexahedra.mesh": ONE_TET.replace("End", "Hexahedra 1\n1 2 3 4 1 2 3 4 0\nEnd"),
+    "old.msh": "$MeshFormat\n4.0 0 8\n$EndMeshFormat\n",
+    "truncated.msh": GMSH + NODES[:30],
+    "undefined_node.msh": GMSH + NODES + "$Elements\n1\n1 4 2 0 1 1 2 3 7\n$EndElements\n",
+    "quadratic.msh": GMSH + NODES + "$Elements\n1\n1 11 2 0 1 1 2 3 4 1 2 3 4 1 2\n$EndElements\n",
+    "two_bad.mesh": TWO_BAD,
+    "all_bad.mesh": ONE_TET.replace("1 2 3 4 0", "1 2 3 3 0"),
+    "turned.mesh": ONE_TET.replace("1 2 3 4 0", "1 3 2 4 0"),
+    "two_parts.mesh": TWO_PARTS,
+    "unused.mesh": UNUSED_VERTEX,
+    "one_tet.mesh": ONE_TET,
+    "plain_file": "a file, not a directory\n",
+    "open_bracket.yaml": "mesh: {generate: box\nconstraints: [\n",
+    "tab.yaml": "mesh:\n\tgenerate: box\n",
+    "list.yaml": "- mesh\n- material\n",
+    "nothing.yaml": "",
+    "only_comment.yaml": "# nothing yet\n",
+    "flie.yaml": "mesh: {flie: horse.mesh}\n",
+    "poison.yaml": "mesh: {generate: box}\nmaterial: {poison: 0.3}\n",
+    "fliter.yaml": ("mesh: {generate: box}\nconstraints: low\n"
+                    "constraint:\n  low: {where: \"z == zmin\"}\nsnes: {trefoil_fliter: clamp}\n"),
+    "hnid.yaml": ("mesh: {generate: box}\nconstraints: hind\n"
+                  "constraint:\n  hind: {where: \"z == zmin\"}\n  hnid: {move: \"0, 0, 1\"}\n"),
+    "two_a_line.petsc": "-mesh_generate box -mesh_refine 1\n",
+    "horse.mesh": ONE_TET,
+}
+
+# A scene that is right: a small cube that stands on the ground. Cases change it.
+RIGHT = {"mesh_generate": "box", "mesh_resolution": "2", "constraints": "low",
+         "constraint_low_where": "z == zmin", "snes_trefoil_record": "run.json",
+         "output_file": "run.xdmf"}
+
+
+def scene(**changes):
+    """The arguments of the scene with some options changed; None takes one away."""
+    options = {**RIGHT, **changes}
+    if "mesh_file" in changes and "mesh_generate" not in changes:
+        del options["mesh_generate"], options["mesh_resolution"]
+    arguments = []
+    for name, value in options.items():
+        if value is not None:
+            arguments += ["-" + name, value]
+    return arguments
+
+
+def low(**changes):
+    """The scene with the parts of its constraint changed."""
+    return scene(**{"constraint_low_" + part: value for part, value in changes.items()})
+
+
+def two(where, move, first="0, 0, 0"):
+    """The scene with a second constraint."""
+    return scene(constraints="low,second", constraint_low_move=first,
+                 constraint_second_where=where, constraint_second_move=move)
+
+
+def mesh(name, **changes):
+    return scene(mesh_file="../inputs/" + name, **changes)
+
+
+def options_file(name):
+    return ["-options_file", "../inputs/" + name]
+
+
+NEWTONLS = ["-snes_type", "newtonls", "-snes_linesearch_type", "bt"]
+
+# name, arguments, what the sentence must contain
+MESHES = [
+    ("no such mesh", mesh("nowhere.mesh"), ["nowhere.mesh", "no such file"]),
+    ("mesh is a directory", scene(mesh_file="../inputs"), ["../inputs", "directory"]),
+    ("empty mesh", mesh("empty.mesh"), ["empty.mesh", "is empty"]),
+    ("truncated Medit", mesh("truncated.mesh"), ["truncated.mesh"]),
+    ("truncated Gmsh", mesh("truncated.msh"), ["truncated.msh"]),
+    ("binary garbage", mesh("binary.mesh"), ["binary.mesh", "format"]),
+    ("zeros", mesh("zeros.msh"), ["zeros.msh", "format"]),
+    ("another format", mesh("picture.mesh"), ["picture.mesh", "format"]),
+    ("a scene as mesh", mesh("poison.yaml"), ["poison.yaml", "format"]),
+    ("old Gmsh", mesh("old.msh"), ["old.msh", "'4.0'", "2.2 and 4.1"]),
+    ("no tetrahedra", mesh("no_tets.mesh"), ["no_tets.mesh", "no Tetrahedra"]),
+    ("index too high", mesh("high_index.mesh"), ["high_index.mesh", "vertex 5", "1 to 4"]),
+    ("index too low", mesh("zero_index.mesh"), ["zero_index.mesh", "vertex 0"]),
+    ("index a fraction", mesh("fractional_index.mesh"), ["fractional_index.mesh", "4.5"]),
+    ("undefined node", mesh("undefined_node.msh"), ["undefined_node.msh", "node 7"]),
+    ("quadratic tetrahedra", mesh("quadratic.msh"), ["quadratic.msh", "quadratic"]),
+    ("hexahedra", mesh("hexahedra.mesh"), ["hexahedra.mesh", "Hexahedra"]),
+    ("coordinate not a number", mesh("nan.mesh"), ["nan.mesh", "vertex 4", "not finite"]),
+    ("count too high", mesh("huge_count.mesh"), ["huge_count.mesh", "4000000000"]),
+    ("count negative", mesh("minus_count.mesh"), ["minus_count.mesh", "-4"]),
+    ("flat mesh", mesh("flat.mesh"), ["flat.mesh"]),
+    ("bad tetrahedra", mesh("two_bad.mesh"),
+     ["two_bad.mesh", "1 tetrahedron is degenerate", "1 tetrahedron is of negative volume",
+      "tetrahedron 2", "-mesh_repair drop"]),
+    ("only bad tetrahedra", mesh("all_bad.mesh", mesh_repair="drop"),
+     ["all_bad.mesh", "nothing is left"]),
+    ("turned round", mesh("turned.mesh"), ["turned.mesh", "the other way round"]),
+    ("unknown repair", mesh("two_bad.mesh", mesh_repair="fix"), ["-mesh_repair", "'fix'", "drop"]),
+    ("two meshes", mesh("one_tet.mesh", mesh_generate="box"),
+     ["-mesh_file", "-mesh_generate", "not both"]),
+    ("unknown kind", scene(mesh_generate="torus"), ["torus", "box", "knot"]),
+    ("negative resolution", scene(mesh_resolution="-2"), ["-mesh_resolution", "negative"]),
+    ("fractional resolution", scene(mesh_resolution="2.5"), ["-mesh_resolution", "2.5"]),
+    ("resolution in words", scene(mesh_resolution="two"), ["-mesh_resolution", "'two'"]),
+    ("resolution too high", scene(mesh_resolution="100000"), ["resolution 100000"]),
+    ("resolution beyond integers", scene(mesh_resolution="1e300"), ["-mesh_resolution", "1e+300"]),
+    ("resolution of a file", mesh("one_tet.mesh", mesh_resolution="3"), ["-mesh_resolution"]),
+    ("negative refinement", scene(mesh_refine="-1"), ["-mesh_refine", "negative"]),
+    ("refined too often", mesh("one_tet.mesh", mesh_refine="40",
+                               constraint_low_where="z < 1"), ["-mesh_refine 40", "refine less"]),
+    ("normalize in words", scene(mesh_normalize="perhaps"), ["-mesh_normalize", "'perhaps'"]),
+    ("unknown partitioner", scene(mesh_partitioner="scissors"), ["-mesh_partitioner", "scissors"]),
+]
+
+CONSTRAINTS = [
+    ("malformed", low(where="z < (zmin"), ["-constraint_low_where", "z < (zmin"]),
+    ("nonsense", low(where="the bottom"), ["-constraint_low_where", "the bottom"]),
+    ("unknown name", low(where="w < 1"), ["-constraint_low_where", "w < 1"]),
+    ("assignment", low(where="x = 3"), ["-constraint_low_where", "x = 3", "=="]),
+    ("assignment with operator", low(where="x += 3"), ["-constraint_low_where", "x += 3"]),
+    ("malformed move", low(move="0, 0, 1 +"), ["-constraint_low_move", "0, 0, 1 +"]),
+    ("infinite", low(move="0, 0, 1/0"), ["-constraint_low_move", "1/0", "not finite"]),
+    ("imaginary", low(move="sqrt(-1), 0, 0"), ["-constraint_low_move", "sqrt(-1)", "not finite"]),
+    ("logarithm", low(move="0, log(0), 0"), ["-constraint_low_move", "log(0)", "not finite"]),
+    ("infinite choice", low(where="1/(x - 0.5)"), ["-constraint_low_where", "not finite"]),
+    ("two values", low(move="0, 0"), ["-constraint_low_move", "2 values", "3"]),
+    ("four values", low(move="0, 0, 0, 0"), ["-constraint_low_move", "4 values", "3"]),
+    ("choice of two values", low(where="x < 1, y < 1"), ["-constraint_low_where", "2 values"]),
+    ("free choice", low(where="free"), ["-constraint_low_where", "free"]),
+    ("scaled free", low(move="2*free, 0, 0"), ["-constraint_low_move", "2*free"]),
+    ("no vertex", low(where="z < zmin - 1"), ["'low'", "no vertex", "-constraint_low_where"]),
+    ("no choice", low(where=None), ["'low'", "-constraint_low_where"]),
+    ("choice without value", low(where=None) + ["-constraint_low_where"],
+     ["-constraint_low_where", "without a value"]),
+    ("value taken for an option", low(move=None) + ["-constraint_low_move", "-x, 0, 0"],
+     ["-constraint_low_move", "-(x)"]),
+    ("disagree", two("x == xmin", "0, 0, 0.1"), ["'low'", "'second'", "differently in z"]),
+    ("named twice", scene(constraints="low,low"), ["-constraints", "'low'", "twice"]),
+    ("not named", scene(constraint_high_where="z == zmax", constraint_high_move="0, 0, 1"),
+     ["-constraint_high_", "-constraints"]),
+    ("nothing held", scene(constraints=None, constraint_low_where=None), ["6 of 6", "rigid"]),
+    ("one vertex", low(where="x + y + z == 0"), ["3 of 6", "rigid"]),
+    ("one edge", low(where="(x == 0) && (y == 0)"), ["1 of 6", "rigid"]),
+    ("sliding plane", low(move="free, free, 0"), ["3 of 6", "rigid"]),
+    ("all components free", low(move="free, free, free"), ["6 of 6", "rigid"]),
+    ("one part held", mesh("two_parts.mesh", constraint_low_where="x < 2"),
+     ["1 of the mesh's 2 unconnected parts", "6 of 6"]),
+    ("everything held", low(where="1"), ["every vertex"]),
+    ("only unused vertices", mesh("unused.mesh", constraint_low_where="x > 8"),
+     ["'low'", "no vertex"]),
+    ("moved beyond numbers", low(move="1e200*x, 0, 0"), ["not finite", "constraints"]),
+]
+
+MATERIALS = [
+    ("unknown material", scene(material_model="rubber"), ["-material_model", "rubber"]),
+    ("unknown constants", scene(material_lame="lame"), ["-material_lame", "'lame'", "physical"]),
+    *((f"nu {nu}", scene(material_poisson=nu), ["-material_poisson", nu])
+      for nu in ("0.5", "0.7", "-1", "-2", "half", "nan", "inf", "0.3x", "1e999")),
+    *((f"E {E}", scene(material_young=E), ["-material_young", E])
+      for E in ("0", "-1", "soft", "nan", "inf", "1e6 Pa", "1,000")),
+    ("nu missing", scene() + ["-material_poisson"], ["-material_poisson", "not a number"]),
+    ("raw with negative nu", scene(material_poisson="-0.2", material_lame="raw"),
+     ["-material_lame raw", "-0.2"]),
+]
+
+OPTIONS = [
+    ("no arguments", [], ["no mesh", "-mesh_file"]),
+    ("-mesh_flie", scene(mesh_flie="horse.mesh"), ["-mesh_flie", "-mesh_file"]),
+    ("-msh_file", scene(mesh_generate=None, mesh_resolution=None, msh_file="horse.mesh"),
+     ["-msh_file", "-mesh_file"]),
+    ("-snes_trefoil_fliter", scene(snes_trefoil_fliter="clamp"), ["-snes_trefoil_fliter"]),
+    ("-snes_trefoil_fliter, newtonls", scene(snes_trefoil_fliter="clamp") + NEWTONLS,
+     ["-snes_trefoil_fliter"]),
+    ("-mesh_flie, newtonls", scene(mesh_flie="horse.mesh") + NEWTONLS, ["-mesh_flie"]),
+    ("-constraint_hnid_where", scene(constraint_hnid_where="x < 0"), ["-constraint_hnid_where"]),
+    ("-constraint_low_wehre", scene(constraint_low_wehre="x < 0"),
+     ["-constraint_low_wehre", "-constraint_low_where"]),
+    ("-material_poison", scene(material_poison="0.3"), ["-material_poison", "-material_poisson"]),
+    ("-matreial_young", scene(matreial_young="0.3"), ["-matreial_young", "-material_young"]),
+    ("-constrain", scene(constrain="low"), ["-constrain", "-constraints"]),
+    ("-outptu_file", scene(outptu_file="a.xdmf"), ["-outptu_file", "-output_file"]),
+    ("unknown filter", scene(snes_trefoil_filter="clmap"), ["clmap", "clamp", "absolute"]),
+    ("unknown filter, newtonls", scene(snes_trefoil_filter="clmap") + NEWTONLS, ["clmap"]),
+    ("unknown search", scene(snes_trefoil_search="wolfe"), ["wolfe", "armijo"]),
+    ("weight without its filter", scene(snes_trefoil_weight="0.3"), ["-snes_trefoil_weight"]),
+    ("negative tolerance", scene(snes_trefoil_energy_tolerance="-1"),
+     ["-snes_trefoil_energy_tolerance"]),
+    ("another line search", scene(snes_linesearch_type="bt"), ["'bt'", "newtonls"]),
+    ("quadratic elements", scene(order="2"), ["-order", "2"]),
+    ("unknown start", scene(initial="nonsense"), ["-initial", "nonsense"]),
+    ("unknown -snes_type", scene(snes_type="nosuch"), ["nosuch"]),
+    ("unknown -pc_type", scene(pc_type="nosuch"), ["nosuch"]),
+    ("unknown -ksp_type", scene(ksp_type="nosuch"), ["nosuch"]),
+    ("unknown factorization", scene(pc_factor_mat_solver_type="nosuch"), ["nosuch"]),
+    ("-snes_max_it in words", scene(snes_max_it="many"), ["many"]),
+    ("no such plugin", scene(dll_append="/nowhere.so"), ["/nowhere.so"]),
+    ("no such options file", options_file("nowhere.yaml"), ["nowhere.yaml"]),
+    ("options file not named", ["-options_file"], ["-options_file"]),
+    ("open bracket", options_file("open_bracket.yaml"), ["open_bracket.yaml"]),
+    ("tabulator", options_file("tab.yaml"), ["tab.yaml"]),
+    ("list of options", options_file("list.yaml"), ["list.yaml"]),
+    ("empty file", options_file("nothing.yaml"), ["no mesh"]),
+    ("comments only", options_file("only_comment.yaml"), ["no mesh"]),
+    ("two options a line", options_file("two_a_line.petsc"), ["two_a_line.petsc", "line 1"]),
+    ("directory of options", ["-options_file", "../inputs"], ["../inputs", "directory"]),
+    ("YAML directory", ["-options_file", "../directory.yaml"], ["directory.yaml"]),
+    ("mesh_flie in YAML", options_file("flie.yaml"), ["-mesh_flie", "-mesh_file"]),
+    ("poison in YAML", options_file("poison.yaml"), ["-material_poison", "-material_poisson"]),
+    ("fliter in YAML", options_file("fliter.yaml"), ["-snes_trefoil_fliter"]),
+    ("hnid in YAML", options_file("hnid.yaml"), ["-constraint_hnid_move"]),
+]
+
+BELOW_FILE = "../inputs/plain_file/"
+
+OUTPUTS = [
+    ("no directory", scene(output_file="nowhere/run.xdmf"), ["nowhere/run.xdmf", "directory"]),
+    ("below a file", scene(output_file=BELOW_FILE + "run.xdmf"), ["plain_file", "directory"]),
+    ("directory in the way", scene(output_file="../directory.xdmf"),
+     ["../directory.xdmf", "directory"]),
+    ("directory in the data's way", scene(output_file="../data.xdmf"), ["../data.h5", "directory"]),
+    ("another ending", scene(output_file="run.vtu"), ["run.vtu", ".xdmf"]),
+    ("no name", scene(output_file=None) + ["-output_file"], ["-output_file", "without a value"]),
+    ("record without directory", scene(snes_trefoil_record="nowhere/run.json"),
+     ["nowhere/run.json", "No such file or directory"]),
+    ("record below a file", scene(snes_trefoil_record=BELOW_FILE + "run.json"),
+     ["plain_file/run.json", "Not a directory"]),
+    ("record is a directory", scene(snes_trefoil_record="../inputs"),
+     ["../inputs", "directory"]),
+    ("record over the output", scene(snes_trefoil_record="run.xdmf"),
+     ["-snes_trefoil_record", "run.xdmf"]),
+    ("record over the data", scene(snes_trefoil_record="./run.h5"),
+     ["-snes_trefoil_record", "run.h5"]),
+    ("record over the mesh", mesh("horse.mesh", snes_trefoil_record="../inputs/horse.mesh",
+                                  constraint_low_where="z < 1"),
+     ["-snes_trefoil_record", "horse.mesh"]),
+]
+
+
+class Run:
+    """One run of the program in an empty directory; texts and statuses of all ranks."""
+
+    def __init__(self, place, ranks, arguments):
+        with tempfile.TemporaryDirectory(dir=place) as statuses, \
+                tempfile.TemporaryDirectory(dir=place) as directory:
+            command = ["sh", "-c", RANK, "sh", TREFOIL, *arguments]
+            if ranks > 1:
+                command = ["mpirun", "-n", str(ranks), *command]
+            is_root = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
+            environment = {**os.environ, **is_root, "STATUS_DIRECTORY": statuses,
+                           "OMPI_MCA_rmaps_base_oversubscribe": "1",
+                           "OMPI_MCA_mpi_yield_when_idle": "1"}
+            done = subprocess.run(command, cwd=directory, env=environment, timeout=SECONDS,
+                                  stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                                  stdin=subprocess.DEVNULL, text=True, errors="replace")
+            self.text = done.stdout
+            self.statuses = [int(file.read_text()) for file in pathlib.Path(statuses).iterdir()]
+            self.files = sorted(file.name for file in pathlib.Path(directory).iterdir())
+            record = pathlib.Path(directory, "run.json")
+            self.record = json.loads(record.read_text()) if record.exists() else None
+
+
+class WithInputs(unittest.TestCase):
+    def setUp(self):
+        temporary = tempfile.TemporaryDirectory()
+        self.addCleanup(temporary.cleanup)
+        self.place = pathlib.Path(temporary.name)
+        for name in ("inputs", "directory.xdmf", "data.h5", "directory.yaml"):
+            (self.place / name).mkdir()
+        for name, content in FILES.items():
+            data = content if isinstance(content, bytes) else content.encode()
+            (self.place / "inputs" / name).write_bytes(data)
+
+    def run_on(self, ranks, arguments):
+        return Run(self.place, ranks, arguments)
+
+    def files(self):
+        """Every file outside of the runs' own directories, with its content."""
+        return {file: file.read_bytes() for file in self.place.rglob("*") if file.is_file()}
+
+
+class BadInput(WithInputs):
+    def check_refused(self, run, ranks, words):
+        self.assertEqual(run.statuses, [1] * ranks, run.text)
+        sentences = [line for line in run.text.splitlines() if line.startswith("trefoil: ")]
+        self.assertEqual(len(sentences), 1, run.text)
+        for word in words:
+            self.assertIn(word, sentences[0])
+        # What the user reads next is not the sentence's second half.
+        self.assertIsNone(run.text.split(sentences[0])[1].strip() or None, run.text)
+        for noise in ("PETSC ERROR", "terminate called", "MPI_ABORT", "Segmentation"):
+            self.assertNotIn(noise, run.text)
+        self.assertEqual(run.files, [], "left behind")
+
+    def check_all(self, cases, all_ranks=(1, 2)):
+        before = self.files()
+        for name, arguments, words in cases:
+            for ranks in all_ranks:
+                with self.subTest(name, ranks=ranks):
+                    self.check_refused(self.run_on(ranks, arguments), ranks, words)
+        self.assertEqual(self.files(), before)
+
+    def test_meshes(self):
+        self.check_all(MESHES)
+
+    def test_constraints(self):
+        self.check_all(CONSTRAINTS)
+
+    def test_materials(self):
+        self.check_all(MATERIALS)
+
+    def test_options(self):
+        self.check_all(OPTIONS)
+
+    def test_outputs(self):
+        self.check_all(OUTPUTS)
+
+    def test_more_ranks_than_tetrahedra(self):
+        case = ("8 ranks", scene(mesh_resolution="1"), ["ranks (8)", "tetrahedra (6)"])
+        self.check_all([case], all_ranks=[8])
+
+
+class StrangeButRight(WithInputs):
+    """What looks like an error and is none."""
+
+    def check_runs(self, arguments, said=(), status=0):
+        for ranks in (1, 2):
+            with self.subTest(ranks=ranks):
+                run = self.run_on(ranks, arguments)
+                self.assertEqual(run.statuses, [status] * ranks, run.text)
+                self.assertNotIn("trefoil: ", run.text)
+                for words in said:
+                    self.assertEqual(run.text.count(words), 1, run.text)
+                yield run
+
+    def test_bad_tetrahedra_are_dropped(self):
+        arguments = mesh("two_bad.mesh", mesh_repair="drop",
+                         constraint_low_where="z == 0", constraint_low_move="0.1*y, 0, 0")
+        said = ["dropped 2 tetrahedra without positive volume"]
+        for run in self.check_runs(arguments, said):
+            self.assertEqual(run.record["mesh"]["elements"], 2)
+            self.assertTrue(run.record["result"]["converged"])
+
+    def test_unused_vertices_are_dropped(self):
+        arguments = mesh("unused.mesh", constraint_low_where="z == 0")
+        for run in self.check_runs(arguments, ["dropped 1 vertices that no tetrahedron uses"]):
+            self.assertEqual(run.record["mesh"]["vertices"], 8)
+
+    def test_constraints_that_agree(self):
+        for run in self.check_runs(two("x == xmin", "0.1*z, 0, 0", first="0.1*z, free, 0")):
+            self.assertTrue(run.record["result"]["converged"])
+
+    def test_already_at_equilibrium(self):
+        for run in self.check_runs(low(move="0, 0, 0")):
+            result = run.record["result"]
+            self.assertTrue(result["converged"])
+            self.assertEqual(result["line_search_trials"], 0)
+            self.assertEqual(len(run.record["history"]), max(result["iterations"], 1))
+            self.assertEqual([entry["step"] for entry in run.record["history"]], [0])
+            self.assertEqual(run.files, ["run.h5", "run.json", "run.xdmf"])
+
+    def test_moved_as_a_whole_is_at_equilibrium(self):
+        held = two("z == zmax", "0.25, 0, 0", first="0.25, 0, 0")
+        for run in self.check_runs(held):
+            self.assertTrue(run.record["result"]["converged"])
+
+    def test_not_converged(self):
+        arguments = low(where="abs(z - 0.5) == 0.5", move="0, 0, 0.5*z") + ["-snes_max_it", "1"]
+        for run in self.check_runs(arguments, ["NOT CONVERGED"], status=3):
+            result = run.record["result"]
+            self.assertIs(result["converged"], False)
+            self.assertIn("MAX_IT", result["reason"])
+            self.assertEqual(run.files, ["run.h5", "run.json", "run.xdmf"])
+
+
+if __name__ == "__main__":
+    unittest.main()

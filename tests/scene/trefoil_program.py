@@ -1,0 +1,37 @@
+"""Runs the program for the scene tests."""
+import json
+import os
+import subprocess
+import tempfile
+
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+PROGRAM = os.environ.get("TREFOIL", os.path.join(ROOT, "build", "trefoil"))
+
+
+def environment():
+    """Open MPI as root and with more ranks than cores; one thread a rank."""
+    return dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1",
+                OMPI_MCA_rmaps_base_oversubscribe="1", OMPI_MCA_mpi_yield_when_idle="1")
+
+
+def run(options, ranks=1, folder=None):
+    """The finished process; `options` is a string or a list of words."""
+    words = options.split() if isinstance(options, str) else list(options)
+    command = ["mpirun", "-n", str(ranks), PROGRAM, *words] if ranks > 1 else [PROGRAM, *words]
+    return subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                          timeout=300, cwd=folder, env=environment(), check=False)
+
+
+def record_of(options, ranks=1):
+    """The JSON record of a run, with its exit status under `status`."""
+    words = options.split() if isinstance(options, str) else list(options)
+    with tempfile.TemporaryDirectory() as folder:
+        result = run([*words, "-snes_trefoil_record", "record.json"], ranks, folder)
+        path = os.path.join(folder, "record.json")
+        if not os.path.exists(path):
+            raise AssertionError(f"no record from {' '.join(words)}:\n{result.stdout}")
+        with open(path, encoding="utf-8") as file:
+            record = json.load(file)
+    record["status"] = result.returncode
+    record["printed"] = result.stdout
+    return record
