@@ -62,6 +62,63 @@ PetscErrorCode TrefoilSNESSetSplitJacobian(SNES snes, Mat H, TrefoilSplitJacobia
 typedef PetscErrorCode (*TrefoilEnergyScaleFunction)(SNES snes, Vec x, PetscReal *scale, void *ctx);
 PetscErrorCode TrefoilSNESSetEnergyScale(SNES snes, TrefoilEnergyScaleFunction function, void *ctx);
 
+/*
+   TrefoilSplitElementMatrix - the negative part of one symmetric element matrix
+
+   Not collective.
+   Input:  n - rows, 1 to 192;  H - n x n numbers
+   Output: N - n x n numbers, sum over lambda < 0 of |lambda| v v';  negative - how many eigenvalues
+   are negative (may be NULL). NaN or Inf in H is an error.
+*/
+PetscErrorCode TrefoilSplitElementMatrix(PetscInt n, const PetscScalar H[], PetscScalar N[],
+                                         PetscInt *negative);
+
+/*
+   TrefoilMatAttach - watches a Mat from now on, outside of Jacobian callbacks as well
+
+   Logically collective. An SNES with our line search watches its own Jacobian during its callback
+   and needs no call; this is for codes that assemble the Jacobian elsewhere, say together with the
+   residual. Element blocks are those added by one MatSetValues*() call, square, with the same
+   indices on both sides.
+*/
+PetscErrorCode TrefoilMatAttach(Mat matrix);
+/* TrefoilMatDetach - gives a watched Mat its own operations back. Logically collective. */
+PetscErrorCode TrefoilMatDetach(Mat matrix);
+
+/*
+   TrefoilMatSetElementValues - adds a whole element matrix, for codes that insert row by row
+
+   Not collective. Like MatSetValues(matrix, n, index, n, index, H, ADD_VALUES); replaces the loop
+   over the rows in a Jacobian callback. Negative indices are left out. Without Trefoil watching the
+   Mat it is that call and nothing else.
+*/
+PetscErrorCode TrefoilMatSetElementValues(Mat matrix, PetscInt n, const PetscInt index[],
+                                          const PetscScalar H[]);
+
+/* One finished iteration, as a rule of one's own sees it. NaN stands for "does not apply". */
+typedef struct {
+  PetscInt  k;          /* from 0 */
+  PetscReal energy;     /* before the step */
+  PetscReal weight;     /* w of H + 2 w N */
+  PetscReal rho;        /* trust-region ratio of the step */
+  PetscReal step;       /* step length */
+  PetscInt  trials;     /* energies evaluated in the search */
+  PetscReal decrement;  /* |g'd| / 2 */
+  PetscReal indefinite; /* share of elements with a negative eigenvalue */
+} TrefoilIteration;
+
+/* Chooses the weight w >= 0 of the next iteration; `last` is NULL in a solve's first one. Called
+   with the same numbers on all ranks, and must return the same weight on all. */
+typedef PetscErrorCode (*TrefoilRuleFunction)(SNES snes, const TrefoilIteration *last,
+                                              PetscReal *weight, void *ctx);
+
+/*
+   TrefoilRuleRegister - adds a rule, to be chosen by -snes_trefoil_filter name
+
+   Logically collective; before SNESSetFromOptions(). A name that exists is an error.
+*/
+PetscErrorCode TrefoilRuleRegister(const char name[], TrefoilRuleFunction function, void *ctx);
+
 /* The weight w of the present Jacobian H + 2 w N. Not collective. */
 PetscErrorCode TrefoilSNESGetWeight(SNES snes, PetscReal *weight);
 

@@ -8,14 +8,18 @@ namespace trefoil {
 /// Works before PetscInitialize.
 void keep_errors();
 
+/// From here on, a crash or a signal from outside is one line. Works after PetscInitialize.
+void announce_signals();
+
 /// Keeps the sentence of an error that PETSc does not know of.
 void keep_error(const std::string &sentence);
 
-/// Reads the files of -options_file on the first rank and throws them away. PetscInitialize reads
-/// them there too, but a file that cannot be read makes it wait for ever on the other ranks; here
-/// all ranks learn of it. Collective; works before PetscInitialize, not after.
+/// Looks through the command line and the files of its -options_file on the first rank.
+/// PetscInitialize reads the files there too, but most of what can be wrong with one leaves it
+/// waiting for ever on the other ranks; here all ranks learn of it. Collective; works before
+/// PetscInitialize.
 /// @return whether PetscInitialize will be able to read them; otherwise an error is kept
-bool can_read_options_files(int argc, char **argv);
+bool can_read_arguments(int argc, char **argv);
 
 /// One thread a rank in BLAS and in OpenMP, unless the user's environment says otherwise: element
 /// matrices are too small for more, and ranks would fight for cores.

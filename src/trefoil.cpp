@@ -12,6 +12,7 @@
 #include "output/result.hpp"
 #include "petsc_compatibility.hpp"
 #include "program_errors.hpp"
+#include "scene/option_reader.hpp"
 #include "scene/scene.hpp"
 #include "scene/solve.hpp"
 #include "snes/solve_context.hpp"
@@ -52,6 +53,7 @@ static PetscErrorCode run(double begin, bool *converged) {
     PetscCall(write_text_file(comm, options.record_file, record + "\n"));
   }
   PetscCall(print_summary(comm, record));
+  PetscCall(print_unused_options(comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -62,10 +64,11 @@ int main(int argc, char **argv) {
   const double begin = MPI_Wtime();
   trefoil::use_one_thread_a_rank();
   trefoil::keep_errors();
-  if (!trefoil::can_read_options_files(argc, argv)) return trefoil::finish_ranks(bad_input);
+  if (!trefoil::can_read_arguments(argc, argv)) return trefoil::finish_ranks(bad_input);
   PetscErrorCode error = PetscInitialize(&argc, &argv, nullptr, help);
   if (error) return trefoil::finish_ranks(bad_input);
   trefoil::keep_errors();  // PetscInitialize may have installed its own
+  trefoil::announce_signals();
   try {
     error = run(begin, &converged);
   } catch (const std::exception &problem) {

@@ -165,6 +165,13 @@ PetscErrorCode split_hessian(SNES, Vec x, Mat H, Mat *negative, TrefoilSplitStat
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode plain_hessian(SNES, Vec x, Mat, Mat H, void *ctx) {
+  TrefoilSplitStatistics ignored{};
+  PetscFunctionBeginUser;
+  PetscCall(static_cast<EnergyFunctional *>(ctx)->hessian(x, H, nullptr, &ignored));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode energy_scale(SNES, Vec x, PetscReal *scale, void *ctx) {
   EnergySums sums;
   PetscFunctionBeginUser;
@@ -176,11 +183,15 @@ PetscErrorCode energy_scale(SNES, Vec x, PetscReal *scale, void *ctx) {
 
 }  // namespace
 
-PetscErrorCode EnergyFunctional::attach(SNES snes, Mat H) {
+PetscErrorCode EnergyFunctional::attach(SNES snes, Mat H, Assembly assembly) {
   PetscFunctionBeginUser;
   PetscCall(SNESSetObjective(snes, objective, this));
   PetscCall(SNESSetFunction(snes, nullptr, residual, this));
-  PetscCall(TrefoilSNESSetSplitJacobian(snes, H, split_hessian, this));
+  if (assembly == Assembly::split) {
+    PetscCall(TrefoilSNESSetSplitJacobian(snes, H, split_hessian, this));
+  } else {
+    PetscCall(SNESSetJacobian(snes, H, H, plain_hessian, this));
+  }
   PetscCall(TrefoilSNESSetEnergyScale(snes, energy_scale, this));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -37,8 +37,13 @@ class EnergyFunctional {
   /// Cells with det F <= 0, over all ranks. Collective.
   PetscErrorCode count_inverted(Vec x, PetscInt64 *inverted) const;
 
+  /// How the Jacobian gets its negative part.
+  enum class Assembly {
+    split,  ///< from a callback that makes H and N at once
+    hook    ///< from the plugin's watch on the Mat, as in a code that knows nothing of it
+  };
   /// Gives SNES the callbacks. Collective; this object must outlive the SNES.
-  PetscErrorCode attach(SNES snes, Mat H);
+  PetscErrorCode attach(SNES snes, Mat H, Assembly assembly);
 
   [[nodiscard]] double bytes() const;
 

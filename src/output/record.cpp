@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -17,19 +16,20 @@ PetscErrorCode mesh_bytes(const Scene &scene, MPI_Comm comm, double *bytes) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// What the plugin counted as `other` is its part of the program's remainder.
+/// What the plugin counted as `other` is its part of the program's remainder. Waiting, which is in
+/// the maxima of several phases, must not make them more than the whole.
 void complete_times(Json &time, const ProgramTimes &times) {
   time["read"] = times.read;
   time["setup"] = times.setup;
   time["output"] = times.output;
+  const char *phases[] = {"read",         "setup",       "assembly", "filter",
+                          "linear_solve", "line_search", "output"};
   double named = 0;
-  for (const char *phase :
-       {"read", "setup", "assembly", "filter", "linear_solve", "line_search", "output"}) {
-    named += time[phase].get<double>();
-  }
-  // Phases are maxima over ranks, whose sum rounding and waiting may put above the total.
-  time["total"] = std::max(times.total, named);
-  time["other"] = std::max(times.total - named, 0.0);
+  for (const char *phase : phases) named += time[phase].get<double>();
+  const double share = named > times.total ? times.total / named : 1;
+  for (const char *phase : phases) time[phase] = share * time[phase].get<double>();
+  time["total"] = times.total;
+  time["other"] = times.total - share * named;
 }
 
 }  // namespace

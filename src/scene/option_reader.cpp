@@ -160,4 +160,20 @@ PetscErrorCode OptionReader::refuse_unknown(const std::vector<std::string> &pref
           of_constraint ? "; the names of the constraints come from -constraints" : "");
 }
 
+PetscErrorCode print_unused_options(MPI_Comm comm) {
+  const std::set<std::string> asked_at_end{"citations", "get_total_flops", "options_left",
+                                           "options_view"};
+  PetscInt count = 0;
+  char **names = nullptr, **values = nullptr;
+  std::string list;
+  PetscFunctionBeginUser;
+  PetscCall(PetscOptionsLeftGet(nullptr, &count, &names, &values));
+  for (PetscInt i = 0; i < count; ++i) {
+    if (!asked_at_end.count(names[i])) list += (list.empty() ? "-" : ", -") + std::string(names[i]);
+  }
+  PetscCall(PetscOptionsLeftRestore(nullptr, &count, &names, &values));
+  if (!list.empty()) PetscCall(PetscPrintf(comm, "nothing here used %s\n", list.c_str()));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 }  // namespace trefoil

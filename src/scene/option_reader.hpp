@@ -41,4 +41,8 @@ class OptionReader {
   std::set<std::string> known_;
 };
 
+/// One line with the options that nothing has asked for, most of them misspelt ones of PETSc; call
+/// it when all is done. Collective.
+PetscErrorCode print_unused_options(MPI_Comm comm);
+
 }  // namespace trefoil

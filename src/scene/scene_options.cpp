@@ -60,7 +60,7 @@ PetscErrorCode check_partitioner(MPI_Comm comm, const std::string &name) {
 bool is_same_file(const std::string &one, const std::string &other) {
   const auto normal = [](const std::string &path) {
     std::error_code ignored;
-    const auto whole = std::filesystem::weakly_canonical(path, ignored);
+    const auto whole = std::filesystem::weakly_canonical(std::filesystem::absolute(path), ignored);
     return ignored ? std::filesystem::path(path) : whole;
   };
   return !one.empty() && !other.empty() && normal(one) == normal(other);
@@ -111,6 +111,7 @@ PetscErrorCode check_values(MPI_Comm comm, const SceneOptions &options) {
   PetscCall(check_choice(comm, "initial", options.initial, {"rest"}));
   PetscCheck(options.order == 1, comm, PETSC_ERR_USER_INPUT,
              "-order is %" PetscInt_FMT "; only linear elements (1) are there yet", options.order);
+  PetscCall(check_choice(comm, "assembly", options.assembly, {"split", "hook"}));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -142,10 +143,13 @@ PetscErrorCode read_scene_options(MPI_Comm comm, SceneOptions *options) {
   PetscCall(reader.text("initial", "Start: rest, prescribed vertices already moved",
                         &options->initial));
   PetscCall(reader.integer("order", "Polynomial order of the elements", &options->order));
+  PetscCall(reader.text("assembly",
+                        "split: H and N at once; hook: as a code that knows nothing of Trefoil",
+                        &options->assembly));
   PetscCall(reader.text("output_file", "Result for ParaView, an .xdmf file",
                         &options->output_file));
   PetscCall(reader.text("snes_trefoil_record", "JSON record of the run", &options->record_file));
-  PetscCall(reader.refuse_unknown({"mesh_", "material_", "constraint", "initial", "order",
+  PetscCall(reader.refuse_unknown({"mesh_", "material_", "constraint", "initial", "order", "assembly",
                                    "output_"}));
   PetscCall(check_values(comm, *options));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -25,6 +25,7 @@ struct SceneOptions {
   std::vector<ConstraintOptions> constraints;
   std::string initial = "rest";
   PetscInt order = 1;
+  std::string assembly = "split";  ///< or "hook": through the plugin's watch on the Mat
   std::string output_file;
   std::string record_file;  ///< -snes_trefoil_record; the program completes and writes it
 };

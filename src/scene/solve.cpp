@@ -89,6 +89,24 @@ PetscErrorCode set_defaults(SNES snes) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// Refuses what PETSc would fail on late, or without a record.
+PetscErrorCode check_solver(SNES snes) {
+  const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(snes));
+  PetscBool keeps_record = PETSC_FALSE;
+  PetscInt iterations = 0;
+  SNESType type = nullptr;
+  PetscFunctionBeginUser;
+  PetscCall(SNESGetType(snes, &type));
+  PetscCall(PetscObjectTypeCompareAny(reinterpret_cast<PetscObject>(snes), &keeps_record,
+                                      SNESTREFOIL, SNESNEWTONLS, SNESNEWTONTR, ""));
+  PetscCheck(keeps_record, comm, PETSC_ERR_USER_INPUT,
+             "-snes_type %s cannot solve a scene; use trefoil, newtonls or newtontr", type);
+  PetscCall(SNESGetTolerances(snes, nullptr, nullptr, nullptr, &iterations, nullptr));
+  PetscCheck(iterations >= 0, comm, PETSC_ERR_USER_INPUT,
+             "-snes_max_it is %" PetscInt_FMT " and must not be negative", iterations);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /// CHOLMOD raises an error where a matrix is not positive definite; to a user that is a solve that
 /// did not converge.
 PetscErrorCode solve(SNES snes, Vec x) {
@@ -116,9 +134,13 @@ PetscErrorCode solve_scene(Scene &scene, SolveOutcome *outcome) {
   EnergySums start, end;
   PetscFunctionBeginUser;
   PetscCall(SNESCreate(comm, &snes));
-  PetscCall(scene.functional->attach(snes, scene.hessian));
+  PetscCall(scene.functional->attach(snes, scene.hessian,
+                                     scene.options.assembly == "hook"
+                                         ? EnergyFunctional::Assembly::hook
+                                         : EnergyFunctional::Assembly::split));
   PetscCall(set_defaults(snes));
   PetscCall(SNESSetFromOptions(snes));
+  PetscCall(check_solver(snes));
   PetscCall(get_solve_context(snes, &context));
   PetscCall(set_options(*context));       // also where another type of SNES does not read them
   context->options.record_file.clear();   // the program writes it, completed

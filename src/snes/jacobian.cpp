@@ -69,24 +69,50 @@ double choose_weight(SolveContext &context) {
                                  : context.rule->next(context.history.back());
 }
 
-PetscErrorCode count_indefinite(MPI_Comm comm, const TrefoilSplitStatistics &mine,
-                                PetscInt64 *elements, PetscInt64 *indefinite) {
-  PetscInt64 counts[2] = {mine.elements, mine.indefinite};
+/// H and N from a split callback, which knows its elements.
+PetscErrorCode split_jacobian(SolveContext &context, Vec x, Mat H, bool filtered,
+                              InsertionCounts *counts, double *filter_seconds) {
+  TrefoilSplitStatistics mine{};
   PetscFunctionBeginUser;
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, counts, 2, MPIU_INT64, MPI_SUM, comm));
-  *elements = counts[0];
-  *indefinite = counts[1];
+  PetscCall(context.split_jacobian(context.snes, x, H, filtered ? &context.negative : nullptr,
+                                   &mine, context.split_jacobian_context));
+  PetscInt64 sums[2] = {mine.elements, mine.indefinite};
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sums, 2, MPIU_INT64, MPI_SUM,
+                             PetscObjectComm(reinterpret_cast<PetscObject>(context.snes))));
+  counts->elements = sums[0];
+  counts->indefinite = sums[1];
+  *filter_seconds = mine.filter_seconds;
+  // Direct solvers may then use Cholesky factors; set after assembly, or PETSc forgets it.
+  PetscCall(MatSetOption(H, MAT_SYMMETRIC, PETSC_TRUE));
+  PetscCall(MatSetOption(H, MAT_SPD, context.current.weight >= 0.5 ? PETSC_TRUE : PETSC_FALSE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// SNES's Jacobian callback: asks the rule for w, the split callback for H and N, forms H + 2 w N.
-PetscErrorCode compute_filtered_jacobian(SNES snes, Vec x, Mat, Mat H, void *ctx) {
+/// Adds 2 w N to the assembled H, in place.
+PetscErrorCode add_negative_part(SolveContext &context, Mat H, bool filtered,
+                                 PetscInt64 indefinite) {
+  PetscObjectState pattern = 0;
+  PetscFunctionBeginUser;
+  context.negative_present = filtered && context.negative && indefinite > 0;
+  if (!context.negative_present) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MatGetNonzeroState(H, &pattern));
+  const bool same = !context.negative_pattern_known || pattern == context.negative_pattern;
+  PetscCall(MatAXPY(H, 2 * context.current.weight, context.negative,
+                    same ? SAME_NONZERO_PATTERN : DIFFERENT_NONZERO_PATTERN));
+  context.negative_pattern = pattern;
+  context.negative_pattern_known = true;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// SNES's Jacobian callback: asks the rule for w, the split callback or the host's own, watched,
+/// for H and N, and forms H + 2 w N.
+PetscErrorCode compute_filtered_jacobian(SNES snes, Vec x, Mat J, Mat H, void *ctx) {
   auto &context = *static_cast<SolveContext *>(ctx);
   IterationRecord &current = context.current;
   const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(snes));
-  TrefoilSplitStatistics mine{};
-  PetscInt64 elements = 0, indefinite = 0;
+  InsertionCounts counts;
   PetscInt iteration = 0;
+  double filter_seconds = 0;
 
   PetscFunctionBeginUser;
   PetscCall(begin_solve(context));
@@ -95,87 +121,57 @@ PetscErrorCode compute_filtered_jacobian(SNES snes, Vec x, Mat, Mat H, void *ctx
   PetscCall(SNESGetIterationNumber(snes, &iteration));
   current.k = static_cast<int>(iteration);
   current.weight = choose_weight(context);
-  if (!context.driven) PetscCall(record_foreign_iteration(context, x));
+  PetscCheck(current.weight >= 0, comm, PETSC_ERR_ARG_OUTOFRANGE,
+             "rule '%s' chose the weight %g, which must not be negative",
+             context.options.filter.c_str(), current.weight);
+  if (!context.driven && context.split_jacobian) PetscCall(record_foreign_iteration(context, x));
   const bool filtered = current.weight != 0;
 
   context.clock.switch_to(Phase::assembly);
   PetscCall(PetscLogEventBegin(event_assembly, snes, x, H, nullptr));
-  PetscCall(context.split_jacobian(snes, x, H, filtered ? &context.negative : nullptr, &mine,
-                                   context.split_jacobian_context));
-  PetscCall(count_indefinite(comm, mine, &elements, &indefinite));
-  current.indefinite = !filtered ? IterationRecord::none
-                       : elements ? static_cast<double>(indefinite) / static_cast<double>(elements)
-                                  : 0;
-  context.negative_present = filtered && context.negative && indefinite > 0;
-  if (context.negative_present) {
-    PetscCall(MatAXPY(H, 2 * current.weight, context.negative, SAME_NONZERO_PATTERN));
+  if (context.split_jacobian) {
+    PetscCall(split_jacobian(context, x, H, filtered, &counts, &filter_seconds));
+  } else {
+    PetscCall(watch_host_jacobian(context, x, J, H, filtered, &counts, &filter_seconds));
   }
+  current.indefinite = !filtered ? IterationRecord::none
+                       : counts.elements ? static_cast<double>(counts.indefinite) /
+                                               static_cast<double>(counts.elements)
+                                         : 0;
+  context.elements = counts.elements;
+  PetscCall(add_negative_part(context, H, filtered, counts.indefinite));
   PetscCall(PetscLogEventEnd(event_assembly, snes, x, H, nullptr));
-
-  // Direct solvers may then use Cholesky factors; set after assembly, or PETSc forgets it.
-  PetscCall(MatSetOption(H, MAT_SYMMETRIC, PETSC_TRUE));
-  PetscCall(MatSetOption(H, MAT_SPD, current.weight >= 0.5 ? PETSC_TRUE : PETSC_FALSE));
   PetscCallMPI(MPI_Barrier(comm));  // or waiting for each other would count as solving, too
   context.clock.switch_to(Phase::linear_solve);
-  context.clock.move(Phase::assembly, Phase::filter, mine.filter_seconds);
+  context.clock.move(Phase::assembly, Phase::filter, filter_seconds);
   ++context.summary.linear_solves;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 }  // namespace
+
+PetscErrorCode install_jacobian(SolveContext &context) {
+  PetscErrorCode (*present)(SNES, Vec, Mat, Mat, void *) = nullptr;
+  Mat J = nullptr, H = nullptr;
+  void *present_context = nullptr;
+  PetscFunctionBeginUser;
+  PetscCall(SNESGetJacobian(context.snes, &J, &H, &present, &present_context));
+  if (!present || present == compute_filtered_jacobian) PetscFunctionReturn(PETSC_SUCCESS);
+  // A host's callback set after a split one replaces it, as SNESSetJacobian() promises.
+  context.split_jacobian = nullptr;
+  context.host_jacobian = present;
+  context.host_jacobian_context = present_context;
+  PetscCall(keep_host_context(context));
+  PetscCall(SNESSetJacobian(context.snes, J, H, compute_filtered_jacobian, &context));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode set_split_jacobian(SolveContext &context, Mat H) {
+  PetscFunctionBeginUser;
+  PetscCall(MatDestroy(&context.negative));
+  context.negative_pattern_known = false;
+  PetscCall(SNESSetJacobian(context.snes, H, H, compute_filtered_jacobian, &context));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 }  // namespace trefoil
-
-using trefoil::SolveContext;
-
-PetscErrorCode TrefoilSNESSetSplitJacobian(SNES snes, Mat H, TrefoilSplitJacobianFunction function,
-                                           void *ctx) {
-  SolveContext *context = nullptr;
-  PetscFunctionBegin;
-  PetscCall(TrefoilInitializePackage());
-  PetscCall(trefoil::get_solve_context(snes, &context));
-  PetscCall(MatDestroy(&context->negative));
-  context->split_jacobian = function;
-  context->split_jacobian_context = ctx;
-  PetscCall(SNESSetJacobian(snes, H, H, trefoil::compute_filtered_jacobian, context));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode TrefoilSNESSetEnergyScale(SNES snes, TrefoilEnergyScaleFunction function,
-                                         void *ctx) {
-  SolveContext *context = nullptr;
-  PetscFunctionBegin;
-  PetscCall(trefoil::get_solve_context(snes, &context));
-  context->energy_scale = function;
-  context->energy_scale_context = ctx;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode TrefoilSNESGetWeight(SNES snes, PetscReal *weight) {
-  SolveContext *context = nullptr;
-  PetscFunctionBegin;
-  PetscCall(trefoil::get_solve_context(snes, &context));
-  *weight = context->current.weight;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode TrefoilSNESGetTrustRegionRatio(SNES snes, PetscReal *rho) {
-  SolveContext *context = nullptr;
-  PetscFunctionBegin;
-  PetscCall(trefoil::get_solve_context(snes, &context));
-  *rho = trefoil::IterationRecord::none;
-  // A last entry without a step closes the history; the ratio belongs to the step before it.
-  for (auto entry = context->history.rbegin(); entry != context->history.rend(); ++entry) {
-    if (entry->step == 0) continue;
-    *rho = entry->rho;
-    break;
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode TrefoilSNESGetRecord(SNES snes, const char **json) {
-  SolveContext *context = nullptr;
-  PetscFunctionBegin;
-  PetscCall(trefoil::get_solve_context(snes, &context));
-  *json = context->record.c_str();
-  PetscFunctionReturn(PETSC_SUCCESS);
-}

@@ -15,74 +15,29 @@
 #include <cmath>
 
 #include "petsc_compatibility.hpp"
-#include "snes/solve_context.hpp"
+#include "snes/line.hpp"
 
 namespace trefoil {
 namespace {
 
-/// What the search knows of the line x + s d.
-struct Line {
-  Vec x, residual, minus_d;         ///< residual = g(x)
-  Vec trial, trial_residual;        ///< work: x + s d and, once `trial_residual_known`, g there
-  double energy = 0, slope = 0;     ///< f(x), g(x)'d
-  double step = 0, trial_energy = 0;
-  double trial_slope = 0;           ///< g(x + s d)'d, once known
-  bool trial_residual_known = false;
-  int trials = 0;
-};
-
-/// Differences of energies below this are rounding: a sum over many elements of terms of f's size.
-double energy_noise(const Line &line) {
-  return 8 * PETSC_MACHINE_EPSILON * std::max(std::abs(line.energy), std::abs(line.trial_energy));
-}
-
-PetscErrorCode evaluate_trial_residual(SolveContext &context, Line &line) {
-  PetscScalar slope = 0;
-  PetscFunctionBeginUser;
-  if (line.trial_residual_known) PetscFunctionReturn(PETSC_SUCCESS);
-  const Phase phase = context.clock.switch_to(Phase::assembly);
-  PetscCall(SNESComputeFunction(context.snes, line.trial, line.trial_residual));
-  PetscCall(VecDot(line.trial_residual, line.minus_d, &slope));
-  context.clock.switch_to(phase);  // after the dot product, in which ranks wait for each other
-  line.trial_slope = -PetscRealPart(slope);
-  line.trial_residual_known = true;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/// f(x + s d) - f(x). Where the difference drowns in rounding, from the slopes at both ends
-/// (trapezoidal rule, exact to third order in the step), which keep their digits.
-PetscErrorCode energy_change(SolveContext &context, Line &line, double predicted, double *change) {
-  PetscFunctionBeginUser;
-  *change = line.trial_energy - line.energy;
-  // A ratio to the prediction is wanted to three digits.
-  if (std::abs(predicted) < 1e3 * energy_noise(line)) {
-    PetscCall(evaluate_trial_residual(context, line));
-    *change = 0.5 * line.step * (line.slope + line.trial_slope);
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /// Backtracks from `first_step` until the energy has decreased enough; infinite or undefined
-/// energies count as no decrease.
+/// energies count as no decrease. A step that only meets lifted boundary values is not judged.
 PetscErrorCode backtrack(SolveContext &context, Line &line, double first_step, PetscInt most_trials,
                          bool *accepted) {
   const SolverOptions &options = context.options;
+  double step = first_step;
   PetscFunctionBeginUser;
   *accepted = false;
-  line.step = first_step;
   for (line.trials = 1; line.trials <= most_trials; ++line.trials) {
-    PetscReal energy = 0;
-    double change = 0;
-    PetscCall(VecWAXPY(line.trial, -line.step, line.minus_d, line.x));
-    PetscCall(SNESComputeObjective(context.snes, line.trial, &energy));
-    line.trial_energy = energy;
-    line.trial_residual_known = false;
-    if (std::isfinite(line.trial_energy)) {
-      PetscCall(energy_change(context, line, line.step * line.slope, &change));
-      *accepted = change <= options.armijo * line.step * line.slope;
+    bool finite = false;
+    PetscCall(evaluate_trial(context, line, step, &finite));
+    if (finite) {
+      double change = 0;
+      PetscCall(energy_change(context, line, step * line.slope, &change));
+      *accepted = line.lifted || change <= options.armijo * step * line.slope;
       if (*accepted) PetscFunctionReturn(PETSC_SUCCESS);
     }
-    if (line.trials < most_trials) line.step *= options.shrink;
+    step *= options.shrink;
   }
   line.trials = static_cast<int>(most_trials);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -154,8 +109,9 @@ PetscErrorCode negative_pivots(SNES snes, PetscInt *count) {
 }
 
 /// Newton's plain direction from an indefinite Hessian may descend by luck; say what it is instead.
-PetscErrorCode refuse_bad_direction(SolveContext &context, SNESLineSearch search, double slope,
+PetscErrorCode refuse_bad_direction(SolveContext &context, SNESLineSearch search, const Line &line,
                                     bool *refused) {
+  const double slope = line.slope;
   PetscInt negative = -1;
   PetscFunctionBeginUser;
   *refused = false;
@@ -166,7 +122,7 @@ PetscErrorCode refuse_bad_direction(SolveContext &context, SNESLineSearch search
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   if (context.current.weight < 0.5) PetscCall(negative_pivots(context.snes, &negative));
-  if (negative > 0 || slope > 0) {
+  if (negative > 0 || (slope > 0 && !line.lifted)) {
     context.summary.reason =
         context.current.weight < 0.5
             ? "the Hessian is indefinite and the filter leaves it so; filter adaptive, absolute "
@@ -190,10 +146,10 @@ PetscErrorCode take_step(SolveContext &context, SNESLineSearch search, Line &lin
   }
   if (changed_direction || changed_point) line.trial_residual_known = false;
   PetscCall(evaluate_trial_residual(context, line));
-  PetscCall(VecCopy(line.trial, line.x));
+  PetscCall(VecCopy(line.trial, line.solution));
   PetscCall(VecCopy(line.trial_residual, line.residual));
   if (!changed_direction && !changed_point) {
-    PetscCall(remember_energy(context, line.x, line.trial_energy));
+    PetscCall(remember_energy(context, line.solution, line.trial_energy));
   }
   PetscCall(SNESLineSearchSetLambda(search, line.step));
   PetscCall(SNESLineSearchComputeNorms(search));
@@ -220,17 +176,28 @@ static PetscErrorCode open_line(SolveContext &context, SNESLineSearch search, Li
 
   PetscFunctionBegin;
   PetscCall(SNESGetObjective(context.snes, &objective, nullptr));
-  PetscCheck(objective, PetscObjectComm(reinterpret_cast<PetscObject>(search)), PETSC_ERR_ORDER,
-             "line search trefoil searches on the energy: call SNESSetObjective() first");
-  PetscCall(SNESLineSearchGetVecs(search, &line.x, &line.residual, &line.minus_d, &line.trial,
-                                  &line.trial_residual));
-  PetscCall(SNESLineSearchPreCheck(search, line.x, line.minus_d, &changed));
+  line.has_objective = objective != nullptr;
+  PetscCall(SNESLineSearchGetVecs(search, &line.solution, &line.residual, &line.minus_d,
+                                  &line.trial, &line.trial_residual));
+  PetscCall(SNESLineSearchPreCheck(search, line.solution, line.minus_d, &changed));
+  // Callbacks that copy their argument into a vector of theirs often have the solution for it: in
+  // the manner of dolfinx's own SNES test. Trial points would then move the point they start from.
+  line.x = search->work[0];
+  line.point = search->work[1];
+  line.point_residual = search->work[2];
   PetscCall(SNESGetKSP(context.snes, &ksp));
   PetscCall(KSPGetIterationNumber(ksp, &linear_iterations));
   PetscCall(VecDot(line.residual, line.minus_d, &slope));
   line.slope = -PetscRealPart(slope);
   context.clock.switch_to(Phase::line_search);  // ranks have waited for each other's solve
-  PetscCall(energy_at(context, line.x, &line.energy));
+  PetscCall(energy_at(context, line.solution, &line.energy));
+  PetscCall(VecCopy(line.solution, line.x));
+  if (context.boundary_values_open) {
+    Mat H = nullptr;
+    PetscCall(SNESGetJacobian(context.snes, nullptr, &H, nullptr, nullptr));
+    PetscCall(moves_boundary_values(H, line.minus_d, &line.lifted));
+    context.boundary_values_open = line.lifted;
+  }
 
   current.energy = line.energy;
   current.decrement = std::abs(line.slope) / 2;
@@ -255,16 +222,18 @@ static PetscErrorCode search_and_step(SolveContext &context, SNESLineSearch sear
   PetscCall(SNESLineSearchGetTolerances(search, nullptr, nullptr, nullptr, nullptr, nullptr,
                                         &most_trials));
   PetscCall(SNESLineSearchGetDamping(search, &first_step));
-  PetscCall(unfiltered_curvature(context, line, line.trial_residual, &curvature));
+  PetscCall(unfiltered_curvature(context, line, line.point, &curvature));
   PetscCall(backtrack(context, line, first_step, most_trials, &accepted));
   current.trials = line.trials;
   if (!accepted) {
     context.summary.reason = "no step along the direction decreases the energy";
+    PetscCall(VecCopy(line.x, line.solution));
+    PetscCall(remember_energy(context, line.solution, line.energy));
     PetscCall(finish(context, search, SNES_DIVERGED_LINE_SEARCH));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   current.step = line.step;
-  PetscCall(trust_region_ratio(context, line, curvature, &current.rho));
+  if (!line.lifted) PetscCall(trust_region_ratio(context, line, curvature, &current.rho));
   PetscCall(take_step(context, search, line));
   context.history.push_back(current);
   PetscCall(monitor_iteration(context, current));
@@ -283,9 +252,9 @@ static PetscErrorCode SNESLineSearchApply_Trefoil(SNESLineSearch search) {
   PetscCall(begin_solve(*context));
   PetscCall(PetscLogEventBegin(event_search, search, nullptr, nullptr, nullptr));
   PetscCall(open_line(*context, search, line));
-  PetscCall(refuse_bad_direction(*context, search, line.slope, &refused));
+  PetscCall(refuse_bad_direction(*context, search, line, &refused));
   if (!refused) {
-    PetscCall(stop_test(*context, line.x, &stop));
+    if (!line.lifted) PetscCall(stop_test(*context, line.x, &stop));
     if (stop) {
       PetscCall(finish(*context, search, SNES_CONVERGED_SNORM_RELATIVE));
     } else {
@@ -297,6 +266,14 @@ static PetscErrorCode SNESLineSearchApply_Trefoil(SNESLineSearch search) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// SNES calls its monitors before each Jacobian: the place to see to it that ours is the one that is
+/// called, whatever the host has set since.
+static PetscErrorCode before_jacobian(SNES, PetscInt, PetscReal, void *context) {
+  PetscFunctionBegin;
+  PetscCall(install_jacobian(*static_cast<SolveContext *>(context)));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode SNESLineSearchSetFromOptions_Trefoil(SNESLineSearch search,
                                                            TrefoilOptionItems) {
   SNES snes = nullptr;
@@ -305,6 +282,15 @@ static PetscErrorCode SNESLineSearchSetFromOptions_Trefoil(SNESLineSearch search
   PetscCall(SNESLineSearchGetSNES(search, &snes));
   PetscCall(get_solve_context(snes, &context));
   PetscCall(set_options(*context));
+  PetscCall(SNESMonitorSet(snes, before_jacobian, context, nullptr));  // once, PETSc compares
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode SNESLineSearchSetUp_Trefoil(SNESLineSearch search) {
+  PetscFunctionBegin;
+  constexpr PetscInt count = 3;
+  if (!search->work) PetscCall(SNESLineSearchSetWorkVecs(search, count));
+  search->nwork = count;  // PETSc does not count them and so would never destroy them
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -338,6 +324,7 @@ PetscErrorCode SNESLineSearchCreate_Trefoil(SNESLineSearch search) {
   PetscFunctionBegin;
   search->ops->apply = SNESLineSearchApply_Trefoil;
   search->ops->setfromoptions = SNESLineSearchSetFromOptions_Trefoil;
+  search->ops->setup = SNESLineSearchSetUp_Trefoil;
   search->ops->view = SNESLineSearchView_Trefoil;
   PetscCall(SNESLineSearchSetTolerances(search, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT,
                                         PETSC_DEFAULT, PETSC_DEFAULT, 100));

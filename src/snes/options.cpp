@@ -11,9 +11,9 @@ namespace trefoil {
 namespace {
 
 // Every option of ours; what is not here is misspelt.
-constexpr std::array<const char *, 8> known_options{
+constexpr std::array<const char *, 10> known_options{
     "filter",           "rho_tolerance", "weight",  "search", "decrement_tolerance",
-    "energy_tolerance", "monitor",       "record"};
+    "energy_tolerance", "monitor",       "record",  "strict", "fields"};
 
 std::string join(const std::vector<std::string> &words) {
   std::ostringstream text;
@@ -76,9 +76,10 @@ PetscErrorCode check_values(const SolverOptions &options, MPI_Comm comm) {
 PetscErrorCode set_options(SolveContext &context) {
   SolverOptions &options = context.options;
   const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(context.snes));
-  std::array<char, PETSC_MAX_PATH_LEN> filter{}, search{}, file{};
+  std::array<char, PETSC_MAX_PATH_LEN> filter{}, search{}, file{}, fields{};
   PetscBool found = PETSC_FALSE, constant_weight = PETSC_FALSE;
   PetscBool monitor = options.monitor ? PETSC_TRUE : PETSC_FALSE;
+  PetscBool strict = options.strict ? PETSC_TRUE : PETSC_FALSE;
   PetscReal rho_tolerance = options.rule.rho_tolerance, weight = options.rule.weight;
   PetscReal decrement = options.decrement_tolerance, energy = options.energy_tolerance;
   PetscReal shrink = options.shrink, armijo = options.armijo;
@@ -125,9 +126,18 @@ PetscErrorCode set_options(SolveContext &context) {
     options.record_file = file.data();
     PetscCall(check_text_file(comm, options.record_file));
   }
+  PetscCall(PetscOptionsBool("-snes_trefoil_strict",
+                             "A Jacobian that cannot be filtered is an error; false: pass it "
+                             "unfiltered and count it in the record",
+                             "", strict, &strict, nullptr));
+  PetscCall(PetscOptionsString("-snes_trefoil_fields",
+                               "Fields to filter, by name or number, separated by commas", "",
+                               options.fields.c_str(), fields.data(), fields.size(), &found));
+  if (found) options.fields = fields.data();
   PetscOptionsEnd();
 
-  options.rule = {rho_tolerance, weight};
+  options.strict = strict == PETSC_TRUE;
+  options.rule = {rho_tolerance, weight, context.snes};
   options.decrement_tolerance = decrement;
   options.energy_tolerance = energy;
   options.shrink = shrink;
@@ -144,13 +154,12 @@ PetscErrorCode set_options(SolveContext &context) {
 PetscErrorCode view_options(const SolveContext &context, PetscViewer viewer) {
   const SolverOptions &options = context.options;
   PetscFunctionBeginUser;
-  PetscCall(PetscViewerASCIIPrintf(viewer, "  eigenvalue filter: %s", options.filter.c_str()));
-  if (options.filter == "adaptive") {
-    PetscCall(PetscViewerASCIIPrintf(viewer, ", rho tolerance %g", options.rule.rho_tolerance));
-  } else if (options.filter == "constant") {
-    PetscCall(PetscViewerASCIIPrintf(viewer, ", weight %g", options.rule.weight));
-  }
-  PetscCall(PetscViewerASCIIPrintf(viewer, "\n  search: %s, shrink %g, armijo %g\n",
+  std::ostringstream tuning;
+  if (options.filter == "adaptive") tuning << ", rho tolerance " << options.rule.rho_tolerance;
+  if (options.filter == "constant") tuning << ", weight " << options.rule.weight;
+  PetscCall(PetscViewerASCIIPrintf(viewer, "  eigenvalue filter: %s%s\n", options.filter.c_str(),
+                                   tuning.str().c_str()));
+  PetscCall(PetscViewerASCIIPrintf(viewer, "  search: %s, shrink %g, armijo %g\n",
                                    options.search.c_str(), options.shrink, options.armijo));
   PetscCall(PetscViewerASCIIPrintf(viewer, "  decrement tolerance: %g, energy tolerance: %g%s\n",
                                    options.decrement_tolerance, options.energy_tolerance,

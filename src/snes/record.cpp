@@ -57,33 +57,35 @@ PetscErrorCode options_json(SNES snes, Json *options) {
 }
 
 /// Seconds by phase, the maximum over the ranks. Filter and assembly are one phase to the ranks
-/// that wait for each other, so assembly is the maximum of both together less the filter's.
+/// that wait for each other, so assembly is the maximum of both together less the filter's. Where
+/// ranks wait in different phases the maxima would add up to more than the whole: then they share it.
 PetscErrorCode time_json(const SolveContext &context, MPI_Comm comm, Json *time) {
   const PhaseClock &clock = context.clock;
   const double filter = clock.seconds(Phase::filter);
-  double seconds[6] = {filter,
-                       filter + clock.seconds(Phase::assembly),
-                       clock.seconds(Phase::linear_solve),
-                       clock.seconds(Phase::line_search),
-                       clock.seconds(Phase::other),
-                       0};
-  for (int i = 1; i < 5; ++i) seconds[5] += seconds[i];
+  double seconds[5] = {filter, filter + clock.seconds(Phase::assembly),
+                       clock.seconds(Phase::linear_solve), clock.seconds(Phase::line_search),
+                       clock.seconds(Phase::other)};
   PetscFunctionBeginUser;
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, seconds, 6, MPI_DOUBLE, MPI_MAX, comm));
-  *time = {{"total", seconds[5]},
+  double total = seconds[1] + seconds[2] + seconds[3] + seconds[4];
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, seconds, 4, MPI_DOUBLE, MPI_MAX, comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &total, 1, MPI_DOUBLE, MPI_MAX, comm));
+  const double named = seconds[1] + seconds[2] + seconds[3];
+  const double share = named > total ? total / named : 1;
+  *time = {{"total", total},
            {"read", 0.0},
            {"setup", 0.0},
-           {"assembly", seconds[1] - seconds[0]},
-           {"filter", seconds[0]},
-           {"linear_solve", seconds[2]},
-           {"line_search", seconds[3]},
+           {"assembly", share * (seconds[1] - seconds[0])},
+           {"filter", share * seconds[0]},
+           {"linear_solve", share * seconds[2]},
+           {"line_search", share * seconds[3]},
            {"output", 0.0},
-           {"other", seconds[5] - seconds[1] - seconds[2] - seconds[3]}};
+           {"other", total - share * named}};
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /// Bytes, summed over the ranks; the factor's as its package reports them.
-PetscErrorCode memory_json(SNES snes, Mat negative, MPI_Comm comm, Json *memory) {
+PetscErrorCode memory_json(const SolveContext &context, MPI_Comm comm, Json *memory) {
+  const SNES snes = context.snes;
   Mat matrix = nullptr, factor = nullptr;
   KSP ksp = nullptr;
   PC pc = nullptr;
@@ -92,7 +94,7 @@ PetscErrorCode memory_json(SNES snes, Mat negative, MPI_Comm comm, Json *memory)
   double peak = 0, matrix_bytes = 0, factor_bytes = 0;
   PetscFunctionBeginUser;
   PetscCall(SNESGetJacobian(snes, nullptr, &matrix, nullptr, nullptr));
-  for (Mat stored : {matrix, negative}) {
+  for (Mat stored : {matrix, context.negative}) {
     if (!stored) continue;
     PetscCall(MatGetInfo(stored, MAT_GLOBAL_SUM, &info));
     // A compressed sparse row matrix keeps a number and a column an entry.
@@ -102,7 +104,7 @@ PetscErrorCode memory_json(SNES snes, Mat negative, MPI_Comm comm, Json *memory)
   PetscCall(KSPGetPC(ksp, &pc));
   PetscCall(PetscObjectTypeCompareAny(reinterpret_cast<PetscObject>(pc), &factored, PCCHOLESKY,
                                       PCLU, ""));
-  if (factored) {
+  if (factored && context.summary.linear_solves > 0) {
     MatSolverType solver = nullptr;
     PetscBool mumps = PETSC_FALSE;
     PetscBool informed = PETSC_FALSE;
@@ -157,7 +159,6 @@ Json result_json(const SolveContext &context) {
 /// After the last step, where PETSc's own tests ended the solve, the history still lacks the state
 /// that was reached.
 PetscErrorCode close_history(SolveContext &context) {
-  PetscErrorCode (*objective)(SNES, Vec, PetscReal *, void *) = nullptr;
   Vec x = nullptr, residual = nullptr;
   PetscFunctionBeginUser;
   if (!context.history.empty() && context.history.back().step == 0 && context.driven) {
@@ -169,8 +170,7 @@ PetscErrorCode close_history(SolveContext &context) {
   last.indefinite = IterationRecord::none;
   last.seconds = context.clock.elapsed();
   PetscCall(SNESGetSolution(context.snes, &x));
-  PetscCall(SNESGetObjective(context.snes, &objective, nullptr));
-  if (objective) PetscCall(energy_at(context, x, &last.energy));
+  PetscCall(energy_at(context, x, &last.energy));
   PetscCall(SNESGetFunction(context.snes, &residual, nullptr, nullptr));
   PetscCall(VecNorm(residual, NORM_2, &last.gradient_norm));
   context.history.push_back(last);
@@ -192,14 +192,21 @@ PetscErrorCode make_record(SolveContext &context, std::string *json) {
   PetscCallMPI(MPI_Comm_size(comm, &ranks));
   PetscCall(options_json(context.snes, &options));
   PetscCall(time_json(context, comm, &time));
-  PetscCall(memory_json(context.snes, context.negative, comm, &memory));
+  PetscCall(memory_json(context, comm, &memory));
   Json history = Json::array();
   for (const IterationRecord &entry : context.history) history.push_back(iteration_json(entry));
   const Json record{{"schema", 1},
-                    {"mesh", {{"free_dofs", unknowns}}},
+                    {"mesh",
+                     {{"vertices", nullptr},  // what only the host knows is null
+                      {"elements", context.elements},
+                      {"element", nullptr},
+                      {"dofs", nullptr},
+                      {"free_dofs", unknowns},
+                      {"inverted_at_start", nullptr}}},
                     {"solver",
                      {{"filter", context.driven ? context.options.filter : "none"},
                       {"ranks", ranks},
+                      {"unfiltered_blocks", context.unfiltered.unfiltered()},
                       {"options", options}}},
                     {"result", result_json(context)},
                     {"time", time},
@@ -223,6 +230,13 @@ PetscErrorCode end_solve(SolveContext &context) {
     context.summary.reason = text;
   }
   PetscCall(close_history(context));
+  if (context.energy_scale) {
+    Vec x = nullptr;
+    PetscReal scale = 0;
+    PetscCall(SNESGetSolution(context.snes, &x));
+    PetscCall(context.energy_scale(context.snes, x, &scale, context.energy_scale_context));
+    context.summary.energy_scale = scale;
+  }
   context.clock.switch_to(Phase::other);
   PetscCall(make_record(context, &context.record));
   if (!context.options.record_file.empty()) {

@@ -13,6 +13,7 @@ static bool registered = false;
 static PetscErrorCode TrefoilFinalizePackage(void) {
   PetscFunctionBegin;
   registered = false;
+  trefoil::forget_registered_rules();
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -12,6 +13,7 @@ namespace trefoil {
 struct RuleParameters {
   double rho_tolerance = 0.01;  ///< -snes_trefoil_rho_tolerance, the paper's epsilon
   double weight = 1;            ///< -snes_trefoil_weight, for rule `constant`
+  void *solver = nullptr;       ///< the SNES, for rules that hosts register
 };
 
 /// Chooses the filter weight w of every iteration: H + 2 w N, w = 0 Newton, 1/2 clamp, 1 absolute.
@@ -28,9 +30,14 @@ class Rule {
 std::unique_ptr<Rule> make_rule(const std::string &name, const RuleParameters &parameters);
 
 /// The names make_rule() knows, in the order in which -help lists them.
-const std::vector<std::string> &rule_names();
+std::vector<std::string> rule_names();
 
-using RuleFactory = std::unique_ptr<Rule> (*)(const RuleParameters &);
+using RuleFactory = std::function<std::unique_ptr<Rule>(const RuleParameters &)>;
+
+/// Adds a rule to those that make_rule() knows; false where the name is taken.
+bool register_rule(const std::string &name, RuleFactory factory);
+/// Forgets the rules that were added, with the types that PETSc forgets.
+void forget_registered_rules();
 
 // One function a file of rules; the registry in rule.cpp lists them.
 std::unique_ptr<Rule> make_newton_rule(const RuleParameters &parameters);

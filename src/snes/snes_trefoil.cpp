@@ -35,6 +35,7 @@ PetscErrorCode SNESSolve_Trefoil(SNES snes) {
   PetscFunctionBegin;
   PetscCall(trefoil::get_solve_context(snes, &context));
   PetscCall(trefoil::begin_solve(*context));
+  PetscCall(trefoil::install_jacobian(*context));
   PetscCall(newton_operations.solve(snes));
   PetscCall(trefoil::end_solve(*context));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -7,8 +7,10 @@
 namespace trefoil {
 
 SolveContext::~SolveContext() {
-  // The error, if any, has nowhere to go from a destructor; PETSc has printed it.
+  // Errors, if any, have nowhere to go from a destructor; PETSc has printed them.
+  static_cast<void>(release_host_matrix(*this));
   static_cast<void>(MatDestroy(&negative));
+  static_cast<void>(PetscObjectDereference(host_context_keeper));
 }
 
 TREFOIL_CONTEXT_DESTROY(destroy_solve_context, context) {
@@ -59,13 +61,22 @@ PetscErrorCode begin_solve(SolveContext &context) {
   context.history.clear();
   context.summary = SolveSummary{};
   context.energy_state = -1;
+  context.energy = 0;
+  context.unfiltered = {};
+  context.boundary_values_open = !context.split_jacobian;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode energy_at(SolveContext &context, Vec x, double *energy) {
+  PetscErrorCode (*objective)(SNES, Vec, PetscReal *, void *) = nullptr;
   PetscObjectId id = 0;
   PetscObjectState state = 0;
   PetscFunctionBeginUser;
+  PetscCall(SNESGetObjective(context.snes, &objective, nullptr));
+  if (!objective) {
+    *energy = context.energy;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCall(PetscObjectGetId(reinterpret_cast<PetscObject>(x), &id));
   PetscCall(PetscObjectStateGet(reinterpret_cast<PetscObject>(x), &state));
   if (id != context.energy_vector || state != context.energy_state) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "snes/element_hook.hpp"
 #include "snes/iteration_record.hpp"
 #include "snes/log_events.hpp"
 #include "snes/phase_clock.hpp"
@@ -26,6 +27,8 @@ struct SolverOptions {
   double armijo = 1e-8;
   bool monitor = false;
   std::string record_file;          ///< empty: no record
+  bool strict = true;               ///< a Jacobian that cannot be filtered is an error
+  std::string fields;               ///< names of the fields to filter; empty: all
 };
 
 /// What is known of a finished or running solve besides its iterations.
@@ -44,8 +47,19 @@ struct SolveContext {
 
   Mat negative = nullptr;  ///< N, created when the first element is indefinite
   bool negative_present = false;  ///< N is part of the present Jacobian, H + 2 w N
+  PetscObjectState negative_pattern = 0;  ///< H's nonzero pattern that N was last added to
+  bool negative_pattern_known = false;
   TrefoilSplitJacobianFunction split_jacobian = nullptr;
   void *split_jacobian_context = nullptr;
+  // A host that knows nothing of us: its Jacobian callback, run with its Mat watched.
+  PetscErrorCode (*host_jacobian)(SNES, Vec, Mat, Mat, void *) = nullptr;
+  void *host_jacobian_context = nullptr;
+  PetscObject host_context_keeper = nullptr;  ///< what owns that context, kept alive
+  Mat watched = nullptr;                      ///< the host's Mat, with our hook on it
+  std::vector<char> in_field;                 ///< unknowns to filter; empty: all
+  PetscInt64 elements = 0;                    ///< in the last Jacobian, over all ranks
+  InsertionCounts unfiltered;                 ///< what passed as it was, over the whole solve
+
   TrefoilEnergyScaleFunction energy_scale = nullptr;
   void *energy_scale_context = nullptr;
 
@@ -56,6 +70,9 @@ struct SolveContext {
   std::vector<IterationRecord> history;
   SolveSummary summary;
   std::string record;       ///< JSON of the last finished solve
+
+  /// Dirichlet values of a host may not be met yet: true at a solve's start, false once they are.
+  bool boundary_values_open = false;
 
   double energy = IterationRecord::none;  ///< at the state below
   PetscObjectId energy_vector = 0;
@@ -77,7 +94,22 @@ PetscErrorCode end_solve(SolveContext &context);
 PetscErrorCode set_options(SolveContext &context);
 PetscErrorCode view_options(const SolveContext &context, PetscViewer viewer);
 
-/// The energy at x from the SNES's objective, evaluated once for each state of x.
+/// Puts our callback before the SNES's present Jacobian callback, whoever set it and when. Called
+/// before each Jacobian, because a host may set its own after reading options.
+PetscErrorCode install_jacobian(SolveContext &context);
+/// Makes the split callback the SNES's Jacobian.
+PetscErrorCode set_split_jacobian(SolveContext &context, Mat H);
+/// Runs the host's callback and collects N from the element blocks that it adds to H. What cannot
+/// be filtered is an error on all ranks, or counted with -snes_trefoil_strict false. Collective.
+PetscErrorCode watch_host_jacobian(SolveContext &context, Vec x, Mat J, Mat H, bool filtered,
+                                   InsertionCounts *counts, double *filter_seconds);
+/// Keeps what owns the host's callback context from being destroyed when ours replaces it.
+PetscErrorCode keep_host_context(SolveContext &context);
+/// Takes the hook off the host's Mat and forgets N.
+PetscErrorCode release_host_matrix(SolveContext &context);
+
+/// The energy at x from the SNES's objective, evaluated once for each state of x. Without an
+/// objective energies count from the solve's start: what the searches have added up.
 PetscErrorCode energy_at(SolveContext &context, Vec x, double *energy);
 /// Says that the energy at x is known to be `energy`.
 PetscErrorCode remember_energy(SolveContext &context, Vec x, double energy);

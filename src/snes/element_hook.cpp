@@ -1,0 +1,241 @@
+#include "snes/element_hook.hpp"
+
+#include <petsctime.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "filter/filter.hpp"
+#include "petsc_compatibility.hpp"
+#include "snes/log_events.hpp"
+
+namespace trefoil {
+namespace {
+
+/// Hosts compute H_e by formulas or by automatic differentiation: equal up to their rounding.
+bool is_symmetric(PetscInt n, const PetscScalar *H) {
+  double largest = 0, difference = 0;
+  for (PetscInt i = 0; i < n; ++i) {
+    for (PetscInt j = 0; j <= i; ++j) {
+      largest = std::max({largest, std::abs(H[n * i + j]), std::abs(H[n * j + i])});
+      difference = std::max(difference, std::abs(H[n * i + j] - H[n * j + i]));
+    }
+  }
+  return difference <= 1e-8 * largest;
+}
+
+/// A zero on the diagonal beside non-zeros in its row: the multiplier block of a saddle point,
+/// whose negative eigenvalues are meant.
+bool has_saddle(PetscInt n, const PetscScalar *H) {
+  for (PetscInt i = 0; i < n; ++i) {
+    if (H[n * i + i] != 0) continue;
+    for (PetscInt j = 0; j < n; ++j) {
+      if (H[n * i + j] != 0) return true;
+    }
+  }
+  return false;
+}
+
+bool is_finite(PetscInt n, const PetscScalar *H) {
+  return std::all_of(H, H + n * n, [](PetscScalar value) { return std::isfinite(value); });
+}
+
+}  // namespace
+
+PetscErrorCode ElementHook::watch(PetscInt m, const PetscInt *rows, PetscInt n,
+                                  const PetscInt *columns, const PetscScalar *values,
+                                  InsertMode mode, PetscInt block_size) {
+  PetscFunctionBegin;
+  // Preallocation inserts zeros or nothing; boundary conditions insert or add single numbers.
+  if (!active_ || mode != ADD_VALUES || !values || (m * block_size == 1 && n * block_size == 1)) {
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  if (m != n) {
+    ++counts_.rectangular;
+    counts_.partial += m > 1 && std::all_of(rows, rows + m, [&](PetscInt row) {
+                         return std::find(columns, columns + n, row) != columns + n;
+                       });
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  if (rows != columns && !std::equal(rows, rows + m, columns)) {
+    ++counts_.rectangular;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  if (block_size == 1) {
+    PetscCall(take_element(n, rows, values));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  index_.resize(static_cast<std::size_t>(n * block_size));
+  for (PetscInt i = 0; i < n * block_size; ++i) {
+    const PetscInt block = rows[i / block_size];
+    index_[static_cast<std::size_t>(i)] = block < 0 ? -1 : block_size * block + i % block_size;
+  }
+  PetscCall(take_element(n * block_size, index_.data(), values));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode ElementHook::take_element(PetscInt n, const PetscInt *index,
+                                         const PetscScalar *values) {
+  PetscFunctionBegin;
+  if (!active_) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCheck(n <= largest_element_matrix, PETSC_COMM_SELF, PETSC_ERR_SUP,
+             "an element block of %" PetscInt_FMT " x %" PetscInt_FMT
+             " is larger than the filter's largest, %d",
+             n, n, largest_element_matrix);
+  if (in_field_) {
+    PetscCall(split_fields(n, index, values));
+  } else {
+    PetscCall(split_all(n, index, values));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// With -snes_trefoil_fields only the principal sub-block of the named unknowns is filtered.
+PetscErrorCode ElementHook::split_fields(PetscInt n, const PetscInt *index,
+                                         const PetscScalar *values) {
+  PetscFunctionBegin;
+  members_.clear();
+  for (PetscInt i = 0; i < n; ++i) {
+    if (index[i] >= 0 && (*in_field_)[static_cast<std::size_t>(index[i])]) members_.push_back(i);
+  }
+  const auto size = static_cast<PetscInt>(members_.size());
+  if (size == 0) PetscFunctionReturn(PETSC_SUCCESS);
+  block_.resize(static_cast<std::size_t>(size * size));
+  std::vector<PetscInt> numbers(members_.size());
+  for (PetscInt i = 0; i < size; ++i) {
+    const PetscInt row = members_[static_cast<std::size_t>(i)];
+    numbers[static_cast<std::size_t>(i)] = index[row];
+    for (PetscInt j = 0; j < size; ++j) {
+      block_[static_cast<std::size_t>(size * i + j)] =
+          values[n * row + members_[static_cast<std::size_t>(j)]];
+    }
+  }
+  PetscCall(split_all(size, numbers.data(), block_.data()));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode ElementHook::split_all(PetscInt n, const PetscInt *index,
+                                      const PetscScalar *values) {
+  int negative = 0;
+  PetscFunctionBegin;
+  ++counts_.elements;
+  // What cannot be filtered goes on as it is; after the callback all ranks learn of it together.
+  if (!is_finite(n, values)) {
+    ++counts_.not_finite;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  if (!is_symmetric(n, values)) {
+    ++counts_.nonsymmetric;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  if (has_saddle(n, values)) {
+    ++counts_.saddle;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  N_.resize(static_cast<std::size_t>(n * n));
+  PetscLogDouble begin = 0, end = 0;
+  PetscCall(PetscTime(&begin));
+  const SplitResult result = split(static_cast<int>(n), 1, values, N_.data(), &negative);
+  PetscCall(PetscTime(&end));
+  filter_seconds_ += end - begin;
+  PetscCheck(result.status == SplitStatus::ok, PETSC_COMM_SELF, PETSC_ERR_LIB,
+             "LAPACK found no eigenvalues of an element block");
+  if (negative > 0) {
+    ++counts_.indefinite;
+    PetscCall(keep(n, index, N_.data()));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode ElementHook::keep(PetscInt n, const PetscInt *index, const double *N) {
+  PetscFunctionBegin;
+  if (negative_) {
+    PetscCall(MatSetValues(negative_, n, index, n, index, N, ADD_VALUES));
+  } else {
+    stashed_sizes_.push_back(n);
+    stashed_indices_.insert(stashed_indices_.end(), index, index + n);
+    stashed_values_.insert(stashed_values_.end(), N, N + n * n);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode ElementHook::begin(Mat negative, const std::vector<char> *in_field) {
+  PetscFunctionBegin;
+  in_field_ = in_field;
+  negative_ = negative;
+  if (negative_) PetscCall(MatZeroEntries(negative_));
+  if (!always_) forget();
+  active_ = true;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode ElementHook::end(Mat matrix, Mat *negative, InsertionCounts *total,
+                                double *filter_seconds) {
+  const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(matrix));
+  PetscFunctionBegin;
+  active_ = always_;
+  *filter_seconds = filter_seconds_;
+  PetscInt64 counts[] = {counts_.elements,     counts_.indefinite, counts_.rectangular,
+                         counts_.partial,      counts_.nonsymmetric, counts_.saddle,
+                         counts_.not_finite};
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, counts, 7, MPIU_INT64, MPI_SUM, comm));
+  *total = {counts[0], counts[1], counts[2], counts[3], counts[4], counts[5], counts[6]};
+
+  if (total->indefinite > 0 && !*negative) {
+    PetscCall(MatDuplicate(matrix, MAT_DO_NOT_COPY_VALUES, negative));
+  }
+  if (*negative) {
+    // A host may widen its pattern from one callback to the next.
+    PetscCall(MatSetOption(*negative, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_FALSE));
+    PetscBool upper_only = PETSC_FALSE;
+    PetscCall(PetscObjectTypeCompareAny(reinterpret_cast<PetscObject>(*negative), &upper_only,
+                                        MATSEQSBAIJ, MATMPISBAIJ, ""));
+    if (upper_only) PetscCall(MatSetOption(*negative, MAT_IGNORE_LOWER_TRIANGULAR, PETSC_TRUE));
+    const PetscInt *index = stashed_indices_.data();
+    const double *values = stashed_values_.data();
+    for (PetscInt n : stashed_sizes_) {
+      PetscCall(MatSetValues(*negative, n, index, n, index, values, ADD_VALUES));
+      index += n;
+      values += n * n;
+    }
+    PetscCall(MatAssemblyBegin(*negative, MAT_FINAL_ASSEMBLY));
+    PetscCall(MatAssemblyEnd(*negative, MAT_FINAL_ASSEMBLY));
+    PetscCall(zero_rows_of(*negative));
+  }
+  forget();
+  negative_ = nullptr;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void ElementHook::forget() {
+  stashed_sizes_ = {};
+  stashed_indices_ = {};
+  stashed_values_ = {};
+  counts_ = {};
+  filter_seconds_ = 0;
+  zeroed_.clear();
+}
+
+PetscErrorCode ElementHook::restart() {
+  PetscFunctionBegin;
+  if (!active_) PetscFunctionReturn(PETSC_SUCCESS);
+  forget();
+  if (negative_) PetscCall(MatZeroEntries(negative_));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode ElementHook::zero_rows_of(Mat negative) {
+  PetscFunctionBegin;
+  for (const ZeroedRows &zeroed : zeroed_) {
+    const auto count = static_cast<PetscInt>(zeroed.rows.size());
+    if (zeroed.columns_too) {
+      PetscCall(MatZeroRowsColumns(negative, count, zeroed.rows.data(), 0, nullptr, nullptr));
+    } else {
+      PetscCall(MatSetOption(negative, MAT_KEEP_NONZERO_PATTERN, PETSC_TRUE));
+      PetscCall(MatZeroRows(negative, count, zeroed.rows.data(), 0, nullptr, nullptr));
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+}  // namespace trefoil

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <petscmat.h>
+
+#include "snes/element_hook.hpp"
+
+namespace trefoil {
+
+using SetValuesFunction = PetscErrorCode (*)(Mat, PetscInt, const PetscInt[], PetscInt,
+                                             const PetscInt[], const PetscScalar[], InsertMode);
+using ZeroRowsFunction = PetscErrorCode (*)(Mat, PetscInt, const PetscInt[], PetscScalar, Vec, Vec);
+
+using ZeroEntriesFunction = PetscErrorCode (*)(Mat);
+
+/// A Mat's own operations, which the hook's call when they have looked.
+struct ElementHook::Operations {
+  ElementHook hook;
+  SetValuesFunction set_values = nullptr, set_values_blocked = nullptr;
+  SetValuesFunction set_values_local = nullptr, set_values_blocked_local = nullptr;
+  ZeroRowsFunction zero_rows = nullptr, zero_rows_columns = nullptr;
+  ZeroEntriesFunction zero_entries = nullptr;
+
+  /// Replaces those operations of the Mat that exist and are not ours yet.
+  PetscErrorCode install(Mat matrix);
+  /// Gives the Mat its own operations back.
+  PetscErrorCode remove(Mat matrix);
+
+  PetscErrorCode watch(Mat matrix, PetscInt m, const PetscInt *rows, PetscInt n,
+                       const PetscInt *columns, const PetscScalar *values, InsertMode mode,
+                       PetscInt block_size) {
+    static_cast<void>(matrix);
+    return hook.watch(m, rows, n, columns, values, mode, block_size);
+  }
+  void note_zeroed(PetscInt count, const PetscInt *rows, bool columns_too) {
+    if (hook.active_) hook.zeroed_.push_back({columns_too, {rows, rows + count}});
+  }
+};
+
+/// Insertion without a look, for a block that the hook has been shown already.
+PetscErrorCode set_values_unwatched(Mat matrix, PetscInt n, const PetscInt *index,
+                                    const PetscScalar *values);
+
+}  // namespace trefoil

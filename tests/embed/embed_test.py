@@ -1,0 +1,138 @@
+#!/usr/bin/python3
+"""Unmodified PETSc codes get the filter from their command line: examples/embed, 1 and 2 ranks."""
+import os
+import unittest
+
+from hosts import DIRECT, HOSTS, LIBRARY, LOAD, ROOT, TREFOIL, outcome, run, sentence
+
+ELEMENTS = [os.path.join(HOSTS, "elements")]
+PLEX = [os.path.join(HOSTS, "plex_fe")]
+ROWS = [os.path.join(HOSTS, "row_by_row")]
+OWN_RULE = [os.path.join(HOSTS, "own_rule")]
+DOLFINX = ["/usr/bin/python3", os.path.join(ROOT, "examples", "embed", "dolfinx_stretch.py")]
+
+
+class Host(unittest.TestCase):
+    def same_on_one_and_two_ranks(self, program, options, most_iterations):
+        """Runs with the type and with the line search, on 1 and 2 ranks; all must agree."""
+        expected = None
+        for way in (TREFOIL, f"{LOAD} -snes_linesearch_type trefoil -snes_stol 0 "
+                             "-snes_divergence_tolerance -1 -snes_max_it 200"):
+            for ranks in (1, 2):
+                with self.subTest(way=way, ranks=ranks, options=options):
+                    printed, status, _ = run(program, f"{DIRECT} {options} {way}", ranks)
+                    converged, iterations, value = outcome(printed)
+                    self.assertEqual(status, 0)
+                    self.assertTrue(converged, printed)
+                    self.assertLessEqual(iterations, most_iterations)
+                    if expected is None:
+                        expected = iterations, value
+                    self.assertEqual(iterations, expected[0])
+                    self.assertLess(abs(value / expected[1] - 1), 1e-9)
+        return expected
+
+    def stock(self, program, options):
+        """What PETSc's own default line search does in 60 iterations."""
+        printed, _, _ = run(program, f"{DIRECT} {options} -snes_linesearch_type bt -snes_max_it 60")
+        return outcome(printed)
+
+
+class HandWrittenElements(Host):
+    def test_stretch_where_stock_fails(self):
+        self.assertFalse(self.stock(ELEMENTS, "")[0])
+        self.same_on_one_and_two_ranks(ELEMENTS, "", 25)
+
+    def test_every_way_of_insertion_is_the_same(self):
+        expected = self.same_on_one_and_two_ranks(ELEMENTS, "", 25)
+        for options in ("-blocked", "-mat_type baij", "-mat_type baij -blocked",
+                        "-mat_type sbaij -mat_ignore_lower_triangular -pc_type cholesky",
+                        "-mat_type sbaij -mat_ignore_lower_triangular -pc_type cholesky -blocked",
+                        "-mat_type aij -mat_type aij -objective"):
+            # PETSc 3.18 has no MatZeroRowsColumns for MPISBAIJ, which this host calls.
+            for ranks in (1,) if "sbaij" in options else (1, 2):
+                with self.subTest(options=options, ranks=ranks):
+                    printed, _, _ = run(ELEMENTS, f"{DIRECT} {TREFOIL} {options}", ranks)
+                    converged, iterations, energy = outcome(printed)
+                    self.assertTrue(converged)
+                    self.assertEqual(iterations, expected[0])
+                    self.assertLess(abs(energy / expected[1] - 1), 1e-9)
+
+    def test_loaded_by_the_environment_and_twice(self):
+        printed, _, _ = run(ELEMENTS, DIRECT, variables={"PETSC_OPTIONS": TREFOIL})
+        self.assertTrue(outcome(printed)[0])
+        printed, _, _ = run(ELEMENTS, f"{DIRECT} {LOAD},{LIBRARY} -snes_type trefoil")
+        self.assertTrue(outcome(printed)[0])
+
+    def test_record_monitor_view_and_no_leaks(self):
+        printed, status, record = run(
+            ELEMENTS, f"{DIRECT} {TREFOIL} -snes_trefoil_record record.json -snes_trefoil_monitor "
+                      "-snes_view -malloc_dump -options_left", 2)
+        converged, iterations, _ = outcome(printed)
+        self.assertTrue(converged and status == 0)
+        self.assertEqual(len(record["history"]), iterations + 1)
+        self.assertEqual(record["solver"]["unfiltered_blocks"], 0)
+        self.assertEqual(record["mesh"]["elements"], 384)
+        self.assertEqual(record["history"][0]["rho"], None)  # the lifted boundary is no model's step
+        self.assertTrue(any(entry["weight"] == 0.5 for entry in record["history"]))
+        self.assertIn("eigenvalue filter: adaptive", printed)
+        self.assertIn("There are no unused options", printed)
+        self.assertNotIn("bytes", printed.split("There are no unused options")[1])
+
+    def test_what_cannot_work_is_said(self):
+        for options, words in (("-snes_mf_operator", "matrix-free"),
+                               ("-snes_fd", "finite differences"),
+                               ("-snes_trefoil_fliter clamp", "no option -snes_trefoil_fliter"),
+                               ("-snes_trefoil_filter clmap", "no filter 'clmap'"),
+                               ("-snes_linesearch_type bt", "cannot use 'bt'")):
+            for ranks in (1, 2):
+                with self.subTest(options=options, ranks=ranks):
+                    printed, status, _ = run(ELEMENTS, f"{DIRECT} {TREFOIL} {options}", ranks)
+                    self.assertNotEqual(status, 0)
+                    self.assertIn(words, sentence(printed))
+
+
+class PlexFiniteElements(Host):
+    def test_stretch_where_stock_fails(self):
+        self.assertFalse(self.stock(PLEX, "")[0])
+        self.same_on_one_and_two_ranks(PLEX, "", 20)
+
+
+class RowByRow(Host):
+    def test_one_call_makes_elements_visible(self):
+        results = [outcome(run(ROWS, DIRECT, ranks)[0]) for ranks in (1, 2)]
+        self.assertTrue(results[0][0] and results[1][0])
+        self.assertEqual(results[0][1], results[1][1])
+        self.assertLess(abs(results[0][2] / results[1][2] - 1), 1e-9)
+
+    def test_rows_are_named(self):
+        for ranks in (1, 2):
+            printed, status, _ = run(ROWS, f"{DIRECT} -by_rows", ranks)
+            self.assertNotEqual(status, 0)
+            self.assertIn("TrefoilMatSetElementValues()", sentence(printed))
+        _, _, record = run(ROWS, f"{DIRECT} -by_rows -snes_trefoil_strict false "
+                                 "-snes_trefoil_record record.json")
+        self.assertGreater(record["solver"]["unfiltered_blocks"], 0)
+
+
+class OwnRule(Host):
+    def test_it_is_used(self):
+        for ranks in (1, 2):
+            printed, _, record = run(OWN_RULE, f"{DIRECT} -snes_trefoil_record record.json", ranks)
+            self.assertTrue(outcome(printed)[0])
+            self.assertEqual(record["solver"]["filter"], "quarter_or_absolute")
+            self.assertIn(0.25, [entry["weight"] for entry in record["history"]])
+
+
+class Dolfinx(Host):
+    def setUp(self):
+        printed, status, _ = run(["/usr/bin/python3", "-c", "import dolfinx"], "")
+        if status:
+            self.skipTest("python3-dolfinx is not installed")
+
+    def test_stretch_where_stock_fails(self):
+        self.assertFalse(self.stock(DOLFINX, "")[0])
+        self.same_on_one_and_two_ranks(DOLFINX, "", 20)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)

@@ -1,0 +1,144 @@
+// Every rule against hand-made sequences of iterations.
+
+#include "snes/rule.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <set>
+
+namespace trefoil {
+namespace {
+
+constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double clamp = 0.5, absolute = 1;
+
+/// The record of a step whose energy came out as rho times what the model predicted.
+IterationRecord step_with(double rho, int k = 0) {
+  IterationRecord record;
+  record.k = k;
+  record.energy = 1.5;
+  record.gradient_norm = 0.25;
+  record.weight = absolute;
+  record.rho = rho;
+  record.step = 0.8;
+  record.trials = 2;
+  record.decrement = 0.125;
+  return record;
+}
+
+/// The weights of a whole solve whose steps have these ratios.
+std::vector<double> weights_of_a_solve(Rule &rule, const std::vector<double> &ratios) {
+  std::vector<double> weights{rule.first()};
+  for (const double rho : ratios)
+    weights.push_back(rule.next(step_with(rho, static_cast<int>(weights.size()) - 1)));
+  return weights;
+}
+
+const std::vector<double> all_ratios{1,   1.001, 0.999,        2,        0.5,       0,  -3,
+                                     1e9, -1e9,  not_a_number, infinity, -infinity, 1.0};
+
+class RuleTest : public testing::TestWithParam<std::string> {};
+
+TEST_P(RuleTest, GivesFiniteWeightsWhateverHappens) {
+  const auto rule = make_rule(GetParam(), {});
+  ASSERT_NE(rule, nullptr);
+  for (const double weight : weights_of_a_solve(*rule, all_ratios)) {
+    EXPECT_TRUE(std::isfinite(weight));
+    EXPECT_GE(weight, 0);
+  }
+}
+
+TEST_P(RuleTest, ForgetsTheLastSolve) {
+  const auto rule = make_rule(GetParam(), {});
+  const std::vector<double> before = weights_of_a_solve(*rule, all_ratios);
+  weights_of_a_solve(*rule, {0.3, not_a_number, 5});
+  EXPECT_EQ(weights_of_a_solve(*rule, all_ratios), before);
+  EXPECT_EQ(weights_of_a_solve(*make_rule(GetParam(), {}), all_ratios), before);
+}
+
+TEST_P(RuleTest, TwoOfAKindDoNotShareAMemory) {
+  const auto one = make_rule(GetParam(), {}), other = make_rule(GetParam(), {});
+  const double start = one->first();
+  weights_of_a_solve(*other, {0.3, 7, not_a_number});
+  EXPECT_EQ(one->next(step_with(1)), weights_of_a_solve(*make_rule(GetParam(), {}), {1})[1]);
+  EXPECT_EQ(one->first(), start);
+}
+
+INSTANTIATE_TEST_SUITE_P(Registry, RuleTest, testing::ValuesIn(rule_names()),
+                         [](const auto &each) { return each.param; });
+
+TEST(RuleRegistryTest, KnowsTheRulesOfTheContractOnce) {
+  const std::vector<std::string> listed = rule_names();
+  const std::set<std::string> names(listed.begin(), listed.end());
+  EXPECT_EQ(names.size(), listed.size());
+  for (const char *name : {"newton", "clamp", "absolute", "adaptive", "constant"})
+    EXPECT_EQ(names.count(name), 1u) << name;
+}
+
+TEST(RuleRegistryTest, UnknownNamesGiveNothing) {
+  for (const char *name : {"", "Adaptive", "adaptive ", "adapt", "adaptiv\xc3\xa9", "0.5"})
+    EXPECT_EQ(make_rule(name, {}), nullptr) << name;
+}
+
+TEST(FixedRuleTest, NewtonClampAndAbsoluteNeverChange) {
+  for (const auto &[name, weight] : {std::pair{"newton", 0.0}, {"clamp", 0.5}, {"absolute", 1.0}})
+    for (const double other : {0.25, 3.0})  // no parameter touches them
+      EXPECT_EQ(weights_of_a_solve(*make_rule(name, {other, other}), all_ratios),
+                std::vector<double>(all_ratios.size() + 1, weight))
+          << name;
+}
+
+TEST(ConstantRuleTest, KeepsItsOwnWeight) {
+  for (const double weight : {0.0, 0.125, 0.5, 1.0, 2.75})
+    EXPECT_EQ(weights_of_a_solve(*make_rule("constant", {0.01, weight}), all_ratios),
+              std::vector<double>(all_ratios.size() + 1, weight));
+}
+
+TEST(AdaptiveRuleTest, StartsAbsoluteAndClampsWhereTheModelWasGood) {
+  const auto rule = make_rule("adaptive", {});
+  EXPECT_EQ(weights_of_a_solve(*rule, {1, 0.5, 1.005, 0.995, 1.02, 0.98, 0, -1, 1}),
+            (std::vector<double>{absolute, clamp, absolute, clamp, clamp, absolute, absolute,
+                                 absolute, absolute, clamp}));
+}
+
+TEST(AdaptiveRuleTest, NoRatioIsNoEvidence) {
+  const auto rule = make_rule("adaptive", {});
+  EXPECT_EQ(weights_of_a_solve(*rule, {not_a_number, infinity, -infinity}),
+            std::vector<double>(4, absolute));
+}
+
+TEST(AdaptiveRuleTest, LooksAtTheLastStepOnly) {
+  const auto rule = make_rule("adaptive", {});
+  weights_of_a_solve(*rule, std::vector<double>(50, 3.0));
+  EXPECT_EQ(rule->next(step_with(1)), clamp);
+  weights_of_a_solve(*rule, std::vector<double>(50, 1.0));
+  EXPECT_EQ(rule->next(step_with(3)), absolute);
+}
+
+class AdaptiveToleranceTest : public testing::TestWithParam<double> {};
+
+// Powers of two, with which 1 +- tolerance and its distance from 1 are exact.
+TEST_P(AdaptiveToleranceTest, TheBoundaryItselfIsOutside) {
+  const double tolerance = GetParam();
+  const auto rule = make_rule("adaptive", {tolerance, 1});
+  for (const double side : {-1.0, 1.0}) {
+    const double boundary = 1 + side * tolerance;
+    EXPECT_EQ(rule->next(step_with(boundary)), absolute);
+    EXPECT_EQ(rule->next(step_with(std::nextafter(boundary, 1.0))), clamp);
+    EXPECT_EQ(rule->next(step_with(std::nextafter(boundary, 9 * side))), absolute);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Tolerances, AdaptiveToleranceTest,
+                         testing::Values(0.0078125, 0.125, 0.25, 0.5));
+
+TEST(AdaptiveRuleTest, ToleranceZeroIsAlwaysAbsolute) {
+  const auto rule = make_rule("adaptive", {0, 1});
+  EXPECT_EQ(weights_of_a_solve(*rule, {1, 1, 1}), std::vector<double>(4, absolute));
+}
+
+}  // namespace
+}  // namespace trefoil
