@@ -1,6 +1,6 @@
 #!/bin/sh
 # Installs what is missing, by Debian's package names, and builds Release into build/.
-#   sh cmake/setup.sh [tests]     with `tests`: what the tests need as well
+#   sh cmake/setup.sh [tests [PACKAGE ...]]     with `tests`: what the tests need as well
 set -eu
 cd "$(dirname "$0")/.."
 
@@ -10,7 +10,8 @@ packages="g++ cmake make pkg-config
   python3 python3-numpy python3-h5py python3-matplotlib"
 tests=OFF
 if [ "${1:-}" = tests ]; then
-  packages="$packages libgtest-dev python3-meshio"
+  shift
+  packages="$packages libgtest-dev python3-meshio $*"
   tests=ON
 fi
 

@@ -1,8 +1,11 @@
 #!/bin/sh
 # All tests: installs what is missing, builds, and runs them. Arguments go to ctest, for example
 #   sh tests/run.sh -R filter
+# Tests with FEniCSx and with PETSc's tutorials say `skipped` unless their packages are there;
+# TREFOIL_TEST_PACKAGES="python3-dolfinx libpetsc3.18-dev-examples" installs them first.
 set -eu
 cd "$(dirname "$0")/.."
 . cmake/environment.sh
-sh cmake/setup.sh tests
+# shellcheck disable=SC2086 # one word a package
+sh cmake/setup.sh tests ${TREFOIL_TEST_PACKAGES:-}
 ctest --test-dir build --output-on-failure "$@"
