@@ -14,7 +14,10 @@
 #define PetscContainerSetCtxDestroy PetscContainerSetUserDestroy
 using TrefoilOptionItems = PetscOptionItems *;
 #else
-#define TREFOIL_CONTEXT_DESTROY(name, argument) static PetscErrorCode name(void **argument)
-#define TREFOIL_CONTEXT_OF(type, argument) static_cast<type *>(*(argument))
+#if PETSC_VERSION_LT(3, 25, 0)
+using PetscCtxRt = void **;
+#endif
+#define TREFOIL_CONTEXT_DESTROY(name, argument) static PetscErrorCode name(PetscCtxRt argument)
+#define TREFOIL_CONTEXT_OF(type, argument) (*reinterpret_cast<type **>(argument))
 using TrefoilOptionItems = PetscOptionItems;
 #endif

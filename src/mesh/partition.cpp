@@ -84,8 +84,13 @@ PetscErrorCode petsc_parts(MPI_Comm comm, const std::string &name, const DualGra
   PetscCall(PetscSectionCreate(comm, &sizes));
   const auto cells = static_cast<PetscInt>(rows.size()) - 1;
   // All rows are on the first rank; the result lists this rank's rows by the part they go to.
+#if PETSC_VERSION_LT(3, 21, 0)
   PetscCall(PetscPartitionerPartition(partitioner, ranks, cells, rows.data(), columns.data(),
                                       nullptr, nullptr, sizes, &order));
+#else
+  PetscCall(PetscPartitionerPartition(partitioner, ranks, cells, rows.data(), columns.data(),
+                                      nullptr, nullptr, nullptr, sizes, &order));
+#endif
   if (rank == 0) {
     const PetscInt *cell = nullptr;
     PetscCall(ISGetIndices(order, &cell));

@@ -181,29 +181,65 @@ PetscErrorCode ElementHook::end(Mat matrix, Mat *negative, InsertionCounts *tota
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, counts, 7, MPIU_INT64, MPI_SUM, comm));
   *total = {counts[0], counts[1], counts[2], counts[3], counts[4], counts[5], counts[6]};
 
-  if (total->indefinite > 0 && !*negative) {
-    PetscCall(MatDuplicate(matrix, MAT_DO_NOT_COPY_VALUES, negative));
-  }
+  const bool existed = *negative;
+  if (total->indefinite > 0 && !existed) PetscCall(duplicate_pattern(matrix, negative));
   if (*negative) {
-    // A host may widen its pattern from one callback to the next.
-    PetscCall(MatSetOption(*negative, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_FALSE));
-    PetscBool upper_only = PETSC_FALSE;
-    PetscCall(PetscObjectTypeCompareAny(reinterpret_cast<PetscObject>(*negative), &upper_only,
-                                        MATSEQSBAIJ, MATMPISBAIJ, ""));
-    if (upper_only) PetscCall(MatSetOption(*negative, MAT_IGNORE_LOWER_TRIANGULAR, PETSC_TRUE));
-    const PetscInt *index = stashed_indices_.data();
-    const double *values = stashed_values_.data();
-    for (PetscInt n : stashed_sizes_) {
-      PetscCall(MatSetValues(*negative, n, index, n, index, values, ADD_VALUES));
-      index += n;
-      values += n * n;
-    }
-    PetscCall(MatAssemblyBegin(*negative, MAT_FINAL_ASSEMBLY));
-    PetscCall(MatAssemblyEnd(*negative, MAT_FINAL_ASSEMBLY));
+    PetscCall(flush_stash(*negative));
     PetscCall(zero_rows_of(*negative));
+    PetscCall(compare_pattern(matrix, *negative));
+    if (existed && !same_pattern_) {
+      Mat former = *negative;
+      PetscCall(duplicate_pattern(matrix, negative));
+      PetscCall(MatAXPY(*negative, 1, former, SUBSET_NONZERO_PATTERN));
+      PetscCall(MatDestroy(&former));
+      PetscCall(compare_pattern(matrix, *negative));
+    }
   }
   forget();
   negative_ = nullptr;
+  in_field_ = nullptr;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Makes N with the host's nonzero pattern, so that H + 2 w N can be a sum of arrays.
+PetscErrorCode ElementHook::duplicate_pattern(Mat matrix, Mat *negative) {
+  PetscBool upper_only = PETSC_FALSE;
+  PetscFunctionBegin;
+  PetscCall(MatDuplicate(matrix, MAT_DO_NOT_COPY_VALUES, negative));
+  // A host may widen its pattern from one callback to the next, or leave zeros out.
+  PetscCall(MatSetOption(*negative, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_FALSE));
+  PetscCall(PetscObjectTypeCompareAny(reinterpret_cast<PetscObject>(*negative), &upper_only,
+                                      MATSEQSBAIJ, MATMPISBAIJ, ""));
+  if (upper_only) PetscCall(MatSetOption(*negative, MAT_IGNORE_LOWER_TRIANGULAR, PETSC_TRUE));
+  PetscCall(PetscObjectGetId(reinterpret_cast<PetscObject>(*negative), &duplicate_));
+  PetscCall(MatGetNonzeroState(matrix, &pattern_of_matrix_));
+  PetscCall(MatGetNonzeroState(*negative, &pattern_of_negative_));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode ElementHook::compare_pattern(Mat matrix, Mat negative) {
+  PetscObjectId id = 0;
+  PetscObjectState of_matrix = 0, of_negative = 0;
+  PetscFunctionBegin;
+  PetscCall(PetscObjectGetId(reinterpret_cast<PetscObject>(negative), &id));
+  PetscCall(MatGetNonzeroState(matrix, &of_matrix));
+  PetscCall(MatGetNonzeroState(negative, &of_negative));
+  same_pattern_ = id == duplicate_ && of_matrix == pattern_of_matrix_ &&
+                  of_negative == pattern_of_negative_;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode ElementHook::flush_stash(Mat negative) {
+  const PetscInt *index = stashed_indices_.data();
+  const double *values = stashed_values_.data();
+  PetscFunctionBegin;
+  for (const PetscInt n : stashed_sizes_) {
+    PetscCall(MatSetValues(negative, n, index, n, index, values, ADD_VALUES));
+    index += n;
+    values += n * n;
+  }
+  PetscCall(MatAssemblyBegin(negative, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatAssemblyEnd(negative, MAT_FINAL_ASSEMBLY));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -17,7 +17,9 @@ struct InsertionCounts {
   PetscInt64 saddle = 0;         ///< element blocks with a zero on the diagonal of a non-zero row
   PetscInt64 not_finite = 0;     ///< element blocks with NaN or Inf
 
-  [[nodiscard]] PetscInt64 unfiltered() const { return rectangular + nonsymmetric + saddle; }
+  [[nodiscard]] PetscInt64 unfiltered() const {
+    return rectangular + nonsymmetric + saddle + not_finite;
+  }
 };
 
 /// Watches a host's Mat: every element block that is added while the hook is active is split, H_e
@@ -31,7 +33,7 @@ class ElementHook {
   /// Takes it off; harmless where there is none.
   static PetscErrorCode detach(Mat matrix);
   /// The hook on a Mat, or null.
-  static PetscErrorCode find(Mat matrix, ElementHook **hook);
+  static ElementHook *find(Mat matrix);
 
   /// Begins to collect; `negative` (may be null: then N_e is stashed) is zeroed.
   /// @param in_field marks the unknowns to filter, by global number; null: all
@@ -47,6 +49,10 @@ class ElementHook {
   PetscErrorCode take_element(PetscInt n, const PetscInt *index, const PetscScalar *values);
 
   [[nodiscard]] bool active() const { return active_; }
+  /// Whether keep_active() was called.
+  [[nodiscard]] bool always_active() const { return always_; }
+  /// Whether the N of the last end() has the nonzero pattern of its H; otherwise it has more.
+  [[nodiscard]] bool same_pattern() const { return same_pattern_; }
   /// Collects outside Jacobian callbacks, too: for hosts that assemble elsewhere.
   void keep_active() { always_ = active_ = true; }
 
@@ -62,7 +68,10 @@ class ElementHook {
   PetscErrorCode split_all(PetscInt n, const PetscInt *index, const PetscScalar *values);
   PetscErrorCode split_fields(PetscInt n, const PetscInt *index, const PetscScalar *values);
   PetscErrorCode keep(PetscInt n, const PetscInt *index, const double *N);
+  PetscErrorCode flush_stash(Mat negative);
   PetscErrorCode zero_rows_of(Mat negative);
+  PetscErrorCode duplicate_pattern(Mat matrix, Mat *negative);
+  PetscErrorCode compare_pattern(Mat matrix, Mat negative);
   void forget();
 
   /// Rows that the host zeroes during its callback.
@@ -74,12 +83,15 @@ class ElementHook {
   bool active_ = false, always_ = false;
   Mat negative_ = nullptr;  ///< borrowed while active
   const std::vector<char> *in_field_ = nullptr;
+  PetscObjectId duplicate_ = 0;  ///< the N that was duplicated, and both patterns at that time
+  PetscObjectState pattern_of_matrix_ = 0, pattern_of_negative_ = 0;
+  bool same_pattern_ = true;
   InsertionCounts counts_;
   double filter_seconds_ = 0;
   std::vector<PetscInt> stashed_sizes_, stashed_indices_;
   std::vector<double> stashed_values_;
   std::vector<ZeroedRows> zeroed_;
-  std::vector<double> block_, part_, N_;   // work
+  std::vector<double> block_, N_;   // work
   std::vector<PetscInt> index_, members_;  // work
 };
 

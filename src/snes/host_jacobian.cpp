@@ -54,6 +54,9 @@ PetscErrorCode refuse_unfiltered(SolveContext &context, const InsertionCounts &c
              "negative eigenvalues must stay: name the fields to filter with -snes_trefoil_fields, "
              "or -snes_trefoil_strict false goes on unfiltered",
              static_cast<long long>(counts.saddle), static_cast<long long>(counts.elements));
+  PetscCheck(counts.not_finite == 0, comm, PETSC_ERR_FP,
+             "%lld of %lld element blocks have entries that are not finite",
+             static_cast<long long>(counts.not_finite), static_cast<long long>(counts.elements));
   PetscCheck(counts.nonsymmetric == 0, comm, PETSC_ERR_SUP,
              "%lld of %lld element blocks are not symmetric, so they are no Hessians of an energy "
              "(follower loads?): -snes_trefoil_strict false goes on with these unfiltered",
@@ -119,6 +122,10 @@ PetscErrorCode watch_matrix(SolveContext &context, Vec x, Mat H, ElementHook **h
     PetscCall(find_fields(context, x));
   }
   PetscCall(ElementHook::attach(H, hook));
+  PetscCheck(!(*hook)->always_active() || context.in_field.empty(),
+             PetscObjectComm(reinterpret_cast<PetscObject>(H)), PETSC_ERR_SUP,
+             "-snes_trefoil_fields needs the elements added in the Jacobian callback, not with "
+             "TrefoilMatAttach()");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -127,7 +134,8 @@ PetscErrorCode watch_matrix(SolveContext &context, Vec x, Mat H, ElementHook **h
 PetscErrorCode release_host_matrix(SolveContext &context) {
   PetscFunctionBegin;
   if (!context.watched) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(ElementHook::detach(context.watched));
+  const ElementHook *hook = ElementHook::find(context.watched);
+  if (hook && !hook->always_active()) PetscCall(ElementHook::detach(context.watched));
   PetscCall(MatDestroy(&context.watched));
   PetscCall(MatDestroy(&context.negative));
   context.negative_pattern_known = false;
@@ -160,12 +168,19 @@ PetscErrorCode watch_host_jacobian(SolveContext &context, Vec x, Mat J, Mat H, b
   PetscCall(watch_matrix(context, x, H, &hook));
   PetscCall(hook->begin(context.negative, context.in_field.empty() ? nullptr : &context.in_field));
   PetscCall(context.host_jacobian(context.snes, x, J, H, context.host_jacobian_context));
+  hook = ElementHook::find(H);
+  PetscCheck(hook, PetscObjectComm(reinterpret_cast<PetscObject>(H)), PETSC_ERR_ORDER,
+             "the Jacobian callback has taken the hook off its Mat");
   PetscCall(hook->end(H, &context.negative, counts, filter_seconds));
+  PetscCall(MatGetNonzeroState(H, &context.negative_pattern));
+  if (!hook->same_pattern()) context.negative_pattern = -1;  // H never has that
+  context.negative_pattern_known = true;
   if (context.options.strict) PetscCall(refuse_unfiltered(context, *counts));
   context.unfiltered.rectangular += counts->rectangular;
   context.unfiltered.partial += counts->partial;
   context.unfiltered.nonsymmetric += counts->nonsymmetric;
   context.unfiltered.saddle += counts->saddle;
+  context.unfiltered.not_finite += counts->not_finite;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -41,9 +41,8 @@ PetscErrorCode TrefoilMatDetach(Mat matrix) {
 
 PetscErrorCode TrefoilMatSetElementValues(Mat matrix, PetscInt n, const PetscInt index[],
                                           const PetscScalar H[]) {
-  ElementHook *hook = nullptr;
+  ElementHook *hook = ElementHook::find(matrix);
   PetscFunctionBegin;
-  PetscCall(ElementHook::find(matrix, &hook));
   if (hook) PetscCall(hook->take_element(n, index, H));
   PetscCall(trefoil::set_values_unwatched(matrix, n, index, H));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -1,6 +1,7 @@
 #include "snes/matrix_operations.hpp"
 
 #include <memory>
+#include <vector>
 
 #include "petsc_compatibility.hpp"
 
@@ -9,37 +10,65 @@ namespace {
 
 constexpr const char *key = "trefoil_element_hook";
 
-PetscErrorCode operations_of(Mat matrix, ElementHook::Operations **operations) {
-  PetscContainer container = nullptr;
-  void *stored = nullptr;
+using Operations = ElementHook::Operations;
+
+/// Every hook there is, a handful. Not only composed with its Mat, because MatHeaderMerge(), in
+/// MatAXPY() with another nonzero pattern say, keeps a Mat's operations and forgets the rest.
+std::vector<std::unique_ptr<Operations>> &hooks() {
+  static std::vector<std::unique_ptr<Operations>> all;
+  return all;
+}
+
+Operations *operations_of(Mat matrix) {
+  for (const auto &operations : hooks()) {
+    if (operations->matrix == matrix) return operations.get();
+  }
+  return nullptr;
+}
+
+void forget_operations(Mat matrix) {
+  std::erase_if(hooks(), [matrix](const auto &own) { return own->matrix == matrix; });
+}
+
+/// The Mat destroys what is composed with it, and may live on.
+TREFOIL_CONTEXT_DESTROY(matrix_is_destroyed, stored) {
+  const Mat matrix = TREFOIL_CONTEXT_OF(Operations, stored)->matrix;
+  PetscInt references = 0;
   PetscFunctionBegin;
-  PetscCall(PetscObjectQuery(reinterpret_cast<PetscObject>(matrix), key,
-                             reinterpret_cast<PetscObject *>(&container)));
-  if (container) PetscCall(PetscContainerGetPointer(container, &stored));
-  *operations = static_cast<ElementHook::Operations *>(stored);
+  PetscCall(PetscObjectGetReference(reinterpret_cast<PetscObject>(matrix), &references));
+  if (references == 0) forget_operations(matrix);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-TREFOIL_CONTEXT_DESTROY(destroy_operations, operations) {
+/// Lets the Mat say when it is destroyed.
+PetscErrorCode compose(Operations &operations) {
+  const auto matrix = reinterpret_cast<PetscObject>(operations.matrix);
+  PetscObject present = nullptr;
+  PetscContainer container = nullptr;
   PetscFunctionBegin;
-  delete TREFOIL_CONTEXT_OF(ElementHook::Operations, operations);
+  PetscCall(PetscObjectQuery(matrix, key, &present));
+  if (present) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscContainerCreate(PetscObjectComm(matrix), &container));
+  PetscCall(PetscContainerSetPointer(container, &operations));
+  PetscCall(PetscContainerSetCtxDestroy(container, matrix_is_destroyed));
+  PetscCall(PetscObjectCompose(matrix, key, reinterpret_cast<PetscObject>(container)));
+  PetscCall(PetscContainerDestroy(&container));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /// Operations of one and the same shape differ in which of the Mat's own they pass on to, and in
 /// whether their indices are of blocks and of the whole matrix.
-using Original = SetValuesFunction ElementHook::Operations::*;
+using Original = SetValuesFunction Operations::*;
 
 template <Original original, bool blocked>
 PetscErrorCode watched_set_values(Mat matrix, PetscInt m, const PetscInt rows[], PetscInt n,
                                   const PetscInt columns[], const PetscScalar values[],
                                   InsertMode mode) {
-  ElementHook::Operations *operations = nullptr;
+  Operations *operations = operations_of(matrix);
   PetscInt block_size = 1;
   PetscFunctionBegin;
-  PetscCall(operations_of(matrix, &operations));
   if (blocked && operations->hook.active()) PetscCall(MatGetBlockSize(matrix, &block_size));
-  PetscCall(operations->watch(matrix, m, rows, n, columns, values, mode, block_size));
+  PetscCall(operations->watch(m, rows, n, columns, values, mode, block_size));
   PetscCall((operations->*original)(matrix, m, rows, n, columns, values, mode));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -49,11 +78,10 @@ template <Original original, bool blocked>
 PetscErrorCode watched_set_values_local(Mat matrix, PetscInt m, const PetscInt rows[], PetscInt n,
                                         const PetscInt columns[], const PetscScalar values[],
                                         InsertMode mode) {
-  ElementHook::Operations *operations = nullptr;
+  Operations *operations = operations_of(matrix);
   ISLocalToGlobalMapping row_map = nullptr, column_map = nullptr;
   PetscInt block_size = 1;
   PetscFunctionBegin;
-  PetscCall(operations_of(matrix, &operations));
   if (operations->hook.active()) {
     if (blocked) PetscCall(MatGetBlockSize(matrix, &block_size));
     PetscCall(MatGetLocalToGlobalMapping(matrix, &row_map, &column_map));
@@ -63,34 +91,30 @@ PetscErrorCode watched_set_values_local(Mat matrix, PetscInt m, const PetscInt r
         blocked ? ISLocalToGlobalMappingApplyBlock : ISLocalToGlobalMappingApply;
     PetscCall(apply(row_map, m, rows, global_rows.data()));
     PetscCall(apply(column_map, n, columns, global_columns.data()));
-    PetscCall(operations->watch(matrix, m, global_rows.data(), n, global_columns.data(), values,
+    PetscCall(operations->watch(m, global_rows.data(), n, global_columns.data(), values,
                                 mode, block_size));
   }
   PetscCall((operations->*original)(matrix, m, rows, n, columns, values, mode));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-template <ZeroRowsFunction ElementHook::Operations::*original, bool columns_too>
+template <ZeroRowsFunction Operations::*original, bool columns_too>
 PetscErrorCode watched_zero_rows(Mat matrix, PetscInt count, const PetscInt rows[],
                                  PetscScalar diagonal, Vec x, Vec b) {
-  ElementHook::Operations *operations = nullptr;
+  Operations *operations = operations_of(matrix);
   PetscFunctionBegin;
-  PetscCall(operations_of(matrix, &operations));
   operations->note_zeroed(count, rows, columns_too);
   PetscCall((operations->*original)(matrix, count, rows, diagonal, x, b));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode watched_zero_entries(Mat matrix) {
-  ElementHook::Operations *operations = nullptr;
+  Operations *operations = operations_of(matrix);
   PetscFunctionBegin;
-  PetscCall(operations_of(matrix, &operations));
   PetscCall(operations->hook.restart());
   PetscCall(operations->zero_entries(matrix));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
-
-using Operations = ElementHook::Operations;
 
 template <class Function>
 PetscErrorCode exchange(Mat matrix, MatOperation operation, Function ours, Function *original) {
@@ -142,70 +166,58 @@ PetscErrorCode for_each_operation(Operations &own, Visit visit) {
 
 }  // namespace
 
-PetscErrorCode ElementHook::Operations::install(Mat matrix) {
+PetscErrorCode ElementHook::Operations::install() {
   PetscFunctionBegin;
-  PetscCall(for_each_operation(*this, [matrix](MatOperation operation, auto ours, auto *original) {
+  PetscCall(for_each_operation(*this, [this](MatOperation operation, auto ours, auto *original) {
     return exchange(matrix, operation, ours, original);
   }));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode ElementHook::Operations::remove(Mat matrix) {
+PetscErrorCode ElementHook::Operations::remove() {
   PetscFunctionBegin;
-  PetscCall(for_each_operation(*this, [matrix](MatOperation operation, auto ours, auto *original) {
+  PetscCall(for_each_operation(*this, [this](MatOperation operation, auto ours, auto *original) {
     return restore(matrix, operation, ours, *original);
   }));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode ElementHook::attach(Mat matrix, ElementHook **hook) {
-  Operations *operations = nullptr;
+  Operations *operations = operations_of(matrix);
   PetscFunctionBegin;
-  PetscCall(operations_of(matrix, &operations));
   if (!operations) {
-    PetscContainer container = nullptr;
-    operations = new Operations;
-    PetscCall(PetscContainerCreate(PetscObjectComm(reinterpret_cast<PetscObject>(matrix)),
-                                   &container));
-    PetscCall(PetscContainerSetPointer(container, operations));
-    PetscCall(PetscContainerSetCtxDestroy(container, destroy_operations));
-    PetscCall(PetscObjectCompose(reinterpret_cast<PetscObject>(matrix), key,
-                                 reinterpret_cast<PetscObject>(container)));
-    PetscCall(PetscContainerDestroy(&container));
+    operations = hooks().emplace_back(std::make_unique<Operations>(matrix)).get();
   }
-  PetscCall(operations->install(matrix));
+  PetscCall(compose(*operations));
+  PetscCall(operations->install());
   *hook = &operations->hook;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode ElementHook::detach(Mat matrix) {
-  Operations *operations = nullptr;
+  Operations *operations = operations_of(matrix);
   PetscFunctionBegin;
-  PetscCall(operations_of(matrix, &operations));
   if (operations) {
-    PetscCall(operations->remove(matrix));
+    PetscCall(operations->remove());
     PetscCall(PetscObjectCompose(reinterpret_cast<PetscObject>(matrix), key, nullptr));
+    forget_operations(matrix);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode ElementHook::find(Mat matrix, ElementHook **hook) {
-  Operations *operations = nullptr;
-  PetscFunctionBegin;
-  PetscCall(operations_of(matrix, &operations));
-  *hook = operations ? &operations->hook : nullptr;
-  PetscFunctionReturn(PETSC_SUCCESS);
+ElementHook *ElementHook::find(Mat matrix) {
+  Operations *operations = operations_of(matrix);
+  return operations ? &operations->hook : nullptr;
 }
 
 PetscErrorCode set_values_unwatched(Mat matrix, PetscInt n, const PetscInt *index,
                                     const PetscScalar *values) {
-  ElementHook::Operations *operations = nullptr;
+  ElementHook *hook = ElementHook::find(matrix);
+  const bool was_active = hook && hook->active();
   PetscFunctionBegin;
-  PetscCall(operations_of(matrix, &operations));
-  const bool was_active = operations && operations->hook.active();
-  if (was_active) operations->hook.pause(true);
+  if (was_active) hook->pause(true);
   PetscCall(MatSetValues(matrix, n, index, n, index, values, ADD_VALUES));
-  if (was_active) operations->hook.pause(false);
+  if (was_active) hook->pause(false);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -14,6 +14,9 @@ using ZeroEntriesFunction = PetscErrorCode (*)(Mat);
 
 /// A Mat's own operations, which the hook's call when they have looked.
 struct ElementHook::Operations {
+  explicit Operations(Mat watched) : matrix(watched) {}
+
+  Mat matrix;  ///< borrowed: it says when it is destroyed
   ElementHook hook;
   SetValuesFunction set_values = nullptr, set_values_blocked = nullptr;
   SetValuesFunction set_values_local = nullptr, set_values_blocked_local = nullptr;
@@ -21,14 +24,12 @@ struct ElementHook::Operations {
   ZeroEntriesFunction zero_entries = nullptr;
 
   /// Replaces those operations of the Mat that exist and are not ours yet.
-  PetscErrorCode install(Mat matrix);
+  PetscErrorCode install();
   /// Gives the Mat its own operations back.
-  PetscErrorCode remove(Mat matrix);
+  PetscErrorCode remove();
 
-  PetscErrorCode watch(Mat matrix, PetscInt m, const PetscInt *rows, PetscInt n,
-                       const PetscInt *columns, const PetscScalar *values, InsertMode mode,
-                       PetscInt block_size) {
-    static_cast<void>(matrix);
+  PetscErrorCode watch(PetscInt m, const PetscInt *rows, PetscInt n, const PetscInt *columns,
+                       const PetscScalar *values, InsertMode mode, PetscInt block_size) {
     return hook.watch(m, rows, n, columns, values, mode, block_size);
   }
   void note_zeroed(PetscInt count, const PetscInt *rows, bool columns_too) {
