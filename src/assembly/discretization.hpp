@@ -30,7 +30,7 @@ class Discretization {
   /// A vector of unknowns, zero.
   PetscErrorCode create_vector(Vec *x) const;
 
-  /// The empty matrix of the Hessian: AIJ with the pattern of the cells, block size 3 where every
+  /// The matrix of the Hessian, zero: AIJ with the pattern of the cells, block size 3 where every
   /// vertex is wholly free or wholly held, rigid-body modes attached. Collective.
   PetscErrorCode create_matrix(Mat *matrix) const;
 
@@ -52,8 +52,9 @@ class Discretization {
  private:
   PetscErrorCode number_dofs(const HeldDofs &held);
   PetscErrorCode attach_rigid_body_modes(Mat matrix) const;
-  PetscErrorCode count_row_entries(std::vector<PetscInt> *diagonal,
-                                   std::vector<PetscInt> *off_diagonal) const;
+  PetscErrorCode create_vertex_graph(Mat *graph) const;
+  PetscErrorCode dofs_of_ghost_columns(Mat graph, std::vector<PetscInt> *dofs) const;
+  PetscErrorCode row_pattern(std::vector<PetscInt> *start, std::vector<PetscInt> *column) const;
 
   Mesh *mesh_ = nullptr;
   Vec prescribed_ = nullptr;  ///< local: values where held, 0 elsewhere

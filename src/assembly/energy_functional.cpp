@@ -59,6 +59,36 @@ PetscErrorCode EnergyFunctional::gradient(Vec x, Vec g) const {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// Whether the batched path serves: one term with packs, and 3 x 3 blocks.
+bool EnergyFunctional::is_batched() const {
+  return assembly_ == Assembly::split && discretization_.block_size() == 3 && terms_.size() == 1 &&
+         terms_.front()->packs();
+}
+
+/// Sets H and N, either of which may be null, from all terms at local displacements u.
+PetscErrorCode EnergyFunctional::assemble(const PetscScalar *u, Mat H, Mat N, bool filtering,
+                                          TrefoilSplitStatistics *statistics) const {
+  PetscFunctionBeginUser;
+  if (is_batched()) {
+    if (!batched_.ready()) PetscCall(batched_.set_up(discretization_, H ? H : N));
+    PetscCall(batched_.assemble(*terms_.front(), u, H, N, filtering, statistics));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  HessianAssembler assembler(discretization_, H, N, statistics);
+  assembler.set_filtering(filtering);
+  for (Mat matrix : {H, N}) {
+    if (matrix) PetscCall(MatZeroEntries(matrix));
+  }
+  for (const auto &term : terms_) PetscCall(term->add_hessian(u, assembler));
+  PetscCall(assembler.flush());
+  for (Mat matrix : {H, N}) {
+    if (!matrix) continue;
+    PetscCall(MatAssemblyBegin(matrix, MAT_FINAL_ASSEMBLY));
+    PetscCall(MatAssemblyEnd(matrix, MAT_FINAL_ASSEMBLY));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode EnergyFunctional::hessian(Vec x, Mat H, Mat *negative,
                                          TrefoilSplitStatistics *statistics) const {
   const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(H));
@@ -66,31 +96,17 @@ PetscErrorCode EnergyFunctional::hessian(Vec x, Mat H, Mat *negative,
   const PetscScalar *u = nullptr;
   PetscFunctionBeginUser;
   PetscCall(discretization_.get_local(x, &local, &u));
-  PetscCall(MatZeroEntries(H));
-  if (negative && *negative) PetscCall(MatZeroEntries(*negative));
-  HessianAssembler assembler(discretization_, H, negative ? *negative : nullptr, statistics);
-  assembler.set_filtering(negative != nullptr);
-  for (const auto &term : terms_) PetscCall(term->add_hessian(u, assembler));
-  PetscCall(assembler.flush());
-  PetscCall(MatAssemblyBegin(H, MAT_FINAL_ASSEMBLY));
-  PetscCall(MatAssemblyEnd(H, MAT_FINAL_ASSEMBLY));
-
+  PetscCall(assemble(u, H, negative ? *negative : nullptr, negative != nullptr, statistics));
   if (negative && !*negative) {
-    // N is made when the first element is indefinite, with H's pattern, which is known by now.
+    // N is made when the first element is indefinite, with H's pattern.
     PetscInt64 indefinite = statistics->indefinite;
     PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &indefinite, 1, MPIU_INT64, MPI_SUM, comm));
     if (indefinite > 0) {
       TrefoilSplitStatistics again{};
       PetscCall(MatDuplicate(H, MAT_DO_NOT_COPY_VALUES, negative));
-      HessianAssembler second(discretization_, nullptr, *negative, &again);
-      for (const auto &term : terms_) PetscCall(term->add_hessian(u, second));
-      PetscCall(second.flush());
+      PetscCall(assemble(u, nullptr, *negative, true, &again));
       statistics->filter_seconds += again.filter_seconds;
     }
-  }
-  if (negative && *negative) {
-    PetscCall(MatAssemblyBegin(*negative, MAT_FINAL_ASSEMBLY));
-    PetscCall(MatAssemblyEnd(*negative, MAT_FINAL_ASSEMBLY));
   }
   PetscCall(discretization_.restore_local(&local, &u));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -137,7 +153,7 @@ PetscErrorCode EnergyFunctional::count_inverted(Vec x, PetscInt64 *inverted) con
 }
 
 double EnergyFunctional::bytes() const {
-  double sum = 0;
+  double sum = batched_.bytes();
   for (const auto &term : terms_) sum += term->bytes();
   return sum;
 }
@@ -185,9 +201,10 @@ PetscErrorCode energy_scale(SNES, Vec x, PetscReal *scale, void *ctx) {
 
 PetscErrorCode EnergyFunctional::attach(SNES snes, Mat H, Assembly assembly) {
   PetscFunctionBeginUser;
+  assembly_ = assembly;
   PetscCall(SNESSetObjective(snes, objective, this));
   PetscCall(SNESSetFunction(snes, nullptr, residual, this));
-  if (assembly == Assembly::split) {
+  if (assembly != Assembly::hook) {
     PetscCall(TrefoilSNESSetSplitJacobian(snes, H, split_hessian, this));
   } else {
     PetscCall(SNESSetJacobian(snes, H, H, plain_hessian, this));

@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "assembly/batched_hessian.hpp"
 #include "assembly/discretization.hpp"
 #include "term/term.hpp"
 #include "trefoil.h"
@@ -37,9 +38,10 @@ class EnergyFunctional {
   /// Cells with det F <= 0, over all ranks. Collective.
   PetscErrorCode count_inverted(Vec x, PetscInt64 *inverted) const;
 
-  /// How the Jacobian gets its negative part.
+  /// How the Jacobian and its negative part are made.
   enum class Assembly {
-    split,  ///< from a callback that makes H and N at once
+    split,  ///< from a callback that makes H and N at once, in batches where a term has them
+    plain,  ///< the same, one element at a time by LAPACK and MatSetValues: the slow reference
     hook    ///< from the plugin's watch on the Mat, as in a code that knows nothing of it
   };
   /// Gives SNES the callbacks. Collective; this object must outlive the SNES.
@@ -48,8 +50,14 @@ class EnergyFunctional {
   [[nodiscard]] double bytes() const;
 
  private:
+  [[nodiscard]] bool is_batched() const;
+  PetscErrorCode assemble(const PetscScalar *u, Mat H, Mat N, bool filtering,
+                          TrefoilSplitStatistics *statistics) const;
+
   const Discretization &discretization_;
   std::vector<std::unique_ptr<Term>> terms_;
+  Assembly assembly_ = Assembly::split;
+  mutable BatchedHessian batched_;  ///< set up with the first matrix
 };
 
 }  // namespace trefoil

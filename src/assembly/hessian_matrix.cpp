@@ -1,3 +1,5 @@
+#include <petscsf.h>
+
 #include <algorithm>
 
 #include "assembly/discretization.hpp"
@@ -6,31 +8,27 @@
 namespace trefoil {
 namespace {
 
-/// Adds each row's number of entries to `counts`.
-PetscErrorCode add_row_lengths(Mat matrix, std::vector<PetscInt> *counts) {
+/// Copies the structure of a sequential AIJ matrix.
+PetscErrorCode copy_rows(Mat matrix, std::vector<PetscInt> *start, std::vector<PetscInt> *column) {
   PetscInt rows = 0;
-  const PetscInt *start = nullptr, *column = nullptr;
+  const PetscInt *i = nullptr, *j = nullptr;
   PetscBool done = PETSC_FALSE;
   PetscFunctionBeginUser;
-  PetscCall(MatGetRowIJ(matrix, 0, PETSC_FALSE, PETSC_FALSE, &rows, &start, &column, &done));
-  counts->resize(static_cast<std::size_t>(rows));
-  for (PetscInt r = 0; r < rows; ++r) {
-    (*counts)[static_cast<std::size_t>(r)] = start[r + 1] - start[r];
-  }
-  PetscCall(MatRestoreRowIJ(matrix, 0, PETSC_FALSE, PETSC_FALSE, &rows, &start, &column, &done));
+  PetscCall(MatGetRowIJ(matrix, 0, PETSC_FALSE, PETSC_FALSE, &rows, &i, &j, &done));
+  start->assign(i, i + rows + 1);
+  column->assign(j, j + i[rows]);
+  PetscCall(MatRestoreRowIJ(matrix, 0, PETSC_FALSE, PETSC_FALSE, &rows, &i, &j, &done));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 }  // namespace
 
-/// Neighbours of each owned vertex, itself included: on this rank and on others. PETSc's coordinate
-/// format finds them from the cells' pairs of corners, those of other ranks' cells included.
-PetscErrorCode Discretization::count_row_entries(std::vector<PetscInt> *diagonal,
-                                                 std::vector<PetscInt> *off_diagonal) const {
+/// The graph of the owned vertices and their neighbours, themselves included, as an AIJ matrix with
+/// a row a vertex. PETSc's coordinate format makes it from the cells' pairs of corners, those of
+/// other ranks' cells included.
+PetscErrorCode Discretization::create_vertex_graph(Mat *graph) const {
   const Mesh &mesh = *mesh_;
   const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(mesh.dm));
-  Mat neighbours = nullptr, here = nullptr, elsewhere = nullptr;
-  PetscBool sequential = PETSC_FALSE;
   PetscFunctionBeginUser;
   std::vector<PetscInt> row, column;
   row.reserve(4 * mesh.cells.size());
@@ -45,57 +43,110 @@ PetscErrorCode Discretization::count_row_entries(std::vector<PetscInt> *diagonal
   }
   const auto owned =
       static_cast<PetscInt>(std::count(mesh.owned.begin(), mesh.owned.end(), 1));
-  PetscCall(MatCreate(comm, &neighbours));
-  PetscCall(MatSetSizes(neighbours, owned, owned, PETSC_DETERMINE, PETSC_DETERMINE));
-  PetscCall(MatSetType(neighbours, MATAIJ));
-  PetscCall(MatSetPreallocationCOO(neighbours, static_cast<PetscCount>(row.size()), row.data(),
+  PetscCall(MatCreate(comm, graph));
+  PetscCall(MatSetSizes(*graph, owned, owned, PETSC_DETERMINE, PETSC_DETERMINE));
+  PetscCall(MatSetType(*graph, MATAIJ));
+  PetscCall(MatSetPreallocationCOO(*graph, static_cast<PetscCount>(row.size()), row.data(),
                                    column.data()));
-  PetscCall(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(neighbours), MATSEQAIJ,
-                                   &sequential));
-  if (sequential) {
-    PetscCall(add_row_lengths(neighbours, diagonal));
-    off_diagonal->assign(diagonal->size(), 0);
-  } else {
-    PetscCall(MatMPIAIJGetSeqAIJ(neighbours, &here, &elsewhere, nullptr));
-    PetscCall(add_row_lengths(here, diagonal));
-    PetscCall(add_row_lengths(elsewhere, off_diagonal));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Global dofs of the columns of the graph's rows that are not this rank's vertices: 3 a column, -1
+/// where held.
+PetscErrorCode Discretization::dofs_of_ghost_columns(Mat graph, std::vector<PetscInt> *dofs) const {
+  const Mesh &mesh = *mesh_;
+  Mat here = nullptr, elsewhere = nullptr;
+  const PetscInt *ghosts = nullptr, *ranges = nullptr;
+  PetscInt count = 0, begin = 0, end = 0;
+  PetscSF owners = nullptr;
+  PetscLayout layout = nullptr;
+  MPI_Datatype triple = MPI_DATATYPE_NULL;
+  PetscFunctionBeginUser;
+  PetscCall(MatMPIAIJGetSeqAIJ(graph, &here, &elsewhere, &ghosts));
+  PetscCall(MatGetSize(elsewhere, nullptr, &count));
+  PetscCall(MatGetLayouts(graph, &layout, nullptr));
+  PetscCall(PetscLayoutGetRanges(layout, &ranges));
+  PetscCall(PetscLayoutGetRange(layout, &begin, &end));
+  std::vector<PetscInt> mine(static_cast<std::size_t>(3 * (end - begin)), -1);
+  std::size_t vertex = 0;
+  for (std::size_t v = 0; v < mesh.owned.size(); ++v) {
+    if (!mesh.owned[v]) continue;
+    std::copy_n(global_dofs_.begin() + static_cast<std::ptrdiff_t>(3 * v), 3,
+                mine.begin() + static_cast<std::ptrdiff_t>(3 * vertex++));
   }
-  PetscCall(MatDestroy(&neighbours));
+  dofs->assign(static_cast<std::size_t>(3 * count), -1);
+  PetscCall(PetscSFCreate(PetscObjectComm(reinterpret_cast<PetscObject>(graph)), &owners));
+  PetscCall(PetscSFSetGraphLayout(owners, layout, count, nullptr, PETSC_OWN_POINTER, ghosts));
+  PetscCallMPI(MPI_Type_contiguous(3, MPIU_INT, &triple));
+  PetscCallMPI(MPI_Type_commit(&triple));
+  PetscCall(PetscSFBcastBegin(owners, triple, mine.data(), dofs->data(), MPI_REPLACE));
+  PetscCall(PetscSFBcastEnd(owners, triple, mine.data(), dofs->data(), MPI_REPLACE));
+  PetscCallMPI(MPI_Type_free(&triple));
+  PetscCall(PetscSFDestroy(&owners));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// The exact pattern: each free dof's row has the free dofs of its vertex's neighbours.
+PetscErrorCode Discretization::row_pattern(std::vector<PetscInt> *start,
+                                           std::vector<PetscInt> *column) const {
+  const Mesh &mesh = *mesh_;
+  Mat graph = nullptr, parts[2] = {nullptr, nullptr};
+  PetscBool sequential = PETSC_FALSE;
+  std::vector<PetscInt> own_dofs, ghost_dofs, neighbours[2], first[2];
+  PetscFunctionBeginUser;
+  PetscCall(create_vertex_graph(&graph));
+  PetscCall(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(graph), MATSEQAIJ, &sequential));
+  parts[0] = graph;
+  if (!sequential) {
+    PetscCall(MatMPIAIJGetSeqAIJ(graph, &parts[0], &parts[1], nullptr));
+    PetscCall(dofs_of_ghost_columns(graph, &ghost_dofs));
+  }
+  for (int p = 0; p < 2; ++p) {
+    if (parts[p]) PetscCall(copy_rows(parts[p], &first[p], &neighbours[p]));
+  }
+  PetscCall(MatDestroy(&graph));
+  for (std::size_t v = 0; v < mesh.owned.size(); ++v) {
+    if (!mesh.owned[v]) continue;
+    const auto dofs = global_dofs_.begin() + static_cast<std::ptrdiff_t>(3 * v);
+    own_dofs.insert(own_dofs.end(), dofs, dofs + 3);
+  }
+  start->assign(1, 0);
+  std::vector<PetscInt> row;
+  for (std::size_t vertex = 0; 3 * vertex < own_dofs.size(); ++vertex) {
+    row.clear();
+    for (std::size_t p = 0; p < 2; ++p) {
+      const auto &dofs = p == 0 ? own_dofs : ghost_dofs;
+      if (first[p].empty()) continue;
+      for (PetscInt e = first[p][vertex]; e < first[p][vertex + 1]; ++e) {
+        const auto neighbour = static_cast<std::size_t>(neighbours[p][static_cast<std::size_t>(e)]);
+        for (std::size_t i = 0; i < 3; ++i) {
+          if (dofs[3 * neighbour + i] >= 0) row.push_back(dofs[3 * neighbour + i]);
+        }
+      }
+    }
+    std::sort(row.begin(), row.end());
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (own_dofs[3 * vertex + i] < 0) continue;
+      column->insert(column->end(), row.begin(), row.end());
+      start->push_back(static_cast<PetscInt>(column->size()));
+    }
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode Discretization::create_matrix(Mat *matrix) const {
-  const Mesh &mesh = *mesh_;
-  const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(mesh.dm));
-  Vec layout = nullptr;
-  PetscInt rows = 0;
-  std::vector<PetscInt> diagonal, off_diagonal, row_diagonal, row_off_diagonal;
+  const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(mesh_->dm));
+  std::vector<PetscInt> start, column;
   PetscFunctionBeginUser;
-  PetscCall(count_row_entries(&diagonal, &off_diagonal));
-  // Room for all three columns of every neighbour; columns of held dofs go when it is assembled.
-  std::size_t vertex = 0;
-  for (std::size_t v = 0; v < mesh.owned.size(); ++v) {
-    if (!mesh.owned[v]) continue;
-    for (std::size_t i = 0; i < 3; i += static_cast<std::size_t>(block_size_)) {
-      if (global_dofs_[3 * v + i] < 0) continue;
-      const PetscInt columns = 3 / block_size_;
-      row_diagonal.push_back(columns * diagonal[vertex]);
-      row_off_diagonal.push_back(columns * off_diagonal[vertex]);
-    }
-    ++vertex;
-  }
-  PetscCall(DMGetGlobalVector(mesh.dm, &layout));
-  PetscCall(VecGetLocalSize(layout, &rows));
-  PetscCall(DMRestoreGlobalVector(mesh.dm, &layout));
-  // No row can hold more entries than the matrix has columns.
-  for (auto &count : row_diagonal) count = std::min(count, rows / block_size_);
-  for (auto &count : row_off_diagonal) count = std::min(count, (total_ - rows) / block_size_);
+  PetscCall(row_pattern(&start, &column));
+  const auto rows = static_cast<PetscInt>(start.size()) - 1;
   PetscCall(MatCreate(comm, matrix));
   PetscCall(MatSetSizes(*matrix, rows, rows, PETSC_DETERMINE, PETSC_DETERMINE));
   PetscCall(MatSetBlockSize(*matrix, block_size_));
   PetscCall(MatSetType(*matrix, MATAIJ));
-  PetscCall(MatXAIJSetPreallocation(*matrix, block_size_, row_diagonal.data(),
-                                    row_off_diagonal.data(), nullptr, nullptr));
+  // Of the two, the one for the type that the matrix has takes effect. Values: zeros.
+  PetscCall(MatSeqAIJSetPreallocationCSR(*matrix, start.data(), column.data(), nullptr));
+  PetscCall(MatMPIAIJSetPreallocationCSR(*matrix, start.data(), column.data(), nullptr));
   PetscCall(MatSetOption(*matrix, MAT_SYMMETRIC, PETSC_TRUE));
   PetscCall(MatSetOption(*matrix, MAT_SYMMETRY_ETERNAL, PETSC_TRUE));
   PetscCall(attach_rigid_body_modes(*matrix));

@@ -111,7 +111,7 @@ PetscErrorCode check_values(MPI_Comm comm, const SceneOptions &options) {
   PetscCall(check_choice(comm, "initial", options.initial, {"rest"}));
   PetscCheck(options.order == 1, comm, PETSC_ERR_USER_INPUT,
              "-order is %" PetscInt_FMT "; only linear elements (1) are there yet", options.order);
-  PetscCall(check_choice(comm, "assembly", options.assembly, {"split", "hook"}));
+  PetscCall(check_choice(comm, "assembly", options.assembly, {"split", "plain", "hook"}));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -144,7 +144,8 @@ PetscErrorCode read_scene_options(MPI_Comm comm, SceneOptions *options) {
                         &options->initial));
   PetscCall(reader.integer("order", "Polynomial order of the elements", &options->order));
   PetscCall(reader.text("assembly",
-                        "split: H and N at once; hook: as a code that knows nothing of Trefoil",
+                        "split: H and N at once, in batches; plain: the same by LAPACK and "
+                        "MatSetValues; hook: as a code that knows nothing of Trefoil",
                         &options->assembly));
   PetscCall(reader.text("output_file", "Result for ParaView, an .xdmf file",
                         &options->output_file));

@@ -107,6 +107,12 @@ PetscErrorCode check_solver(SNES snes) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+EnergyFunctional::Assembly assembly_of(const SceneOptions &options) {
+  if (options.assembly == "hook") return EnergyFunctional::Assembly::hook;
+  return options.assembly == "plain" ? EnergyFunctional::Assembly::plain
+                                     : EnergyFunctional::Assembly::split;
+}
+
 /// CHOLMOD raises an error where a matrix is not positive definite; to a user that is a solve that
 /// did not converge.
 PetscErrorCode solve(SNES snes, Vec x) {
@@ -134,10 +140,7 @@ PetscErrorCode solve_scene(Scene &scene, SolveOutcome *outcome) {
   EnergySums start, end;
   PetscFunctionBeginUser;
   PetscCall(SNESCreate(comm, &snes));
-  PetscCall(scene.functional->attach(snes, scene.hessian,
-                                     scene.options.assembly == "hook"
-                                         ? EnergyFunctional::Assembly::hook
-                                         : EnergyFunctional::Assembly::split));
+  PetscCall(scene.functional->attach(snes, scene.hessian, assembly_of(scene.options)));
   PetscCall(set_defaults(snes));
   PetscCall(SNESSetFromOptions(snes));
   PetscCall(check_solver(snes));

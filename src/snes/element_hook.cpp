@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "filter/filter.hpp"
 #include "petsc_compatibility.hpp"
@@ -12,32 +13,35 @@
 namespace trefoil {
 namespace {
 
-/// Hosts compute H_e by formulas or by automatic differentiation: equal up to their rounding.
-bool is_symmetric(PetscInt n, const PetscScalar *H) {
+/// What can be said of an element block without its eigenvalues.
+struct Look {
+  bool finite = true;
+  bool symmetric = true;
+  /// A zero on the diagonal beside non-zeros in its row: the multiplier block of a saddle point,
+  /// whose negative eigenvalues are meant.
+  bool saddle = false;
+};
+
+/// In one pass, because it is a good part of what an element costs that is not indefinite.
+Look look_at(PetscInt n, const PetscScalar *H) {
+  constexpr double huge = std::numeric_limits<double>::max();
+  Look look;
   double largest = 0, difference = 0;
   for (PetscInt i = 0; i < n; ++i) {
     for (PetscInt j = 0; j <= i; ++j) {
-      largest = std::max({largest, std::abs(H[n * i + j]), std::abs(H[n * j + i])});
-      difference = std::max(difference, std::abs(H[n * i + j] - H[n * j + i]));
+      const double lower = H[n * i + j], upper = H[n * j + i];
+      const double larger = std::max(std::abs(lower), std::abs(upper));
+      look.finite &= std::abs(lower) <= huge && std::abs(upper) <= huge;
+      largest = std::max(largest, larger);
+      difference = std::max(difference, std::abs(lower - upper));
+    }
+    if (H[n * i + i] == 0) {
+      look.saddle |= std::any_of(H + n * i, H + n * (i + 1), [](double value) { return value != 0; });
     }
   }
-  return difference <= 1e-8 * largest;
-}
-
-/// A zero on the diagonal beside non-zeros in its row: the multiplier block of a saddle point,
-/// whose negative eigenvalues are meant.
-bool has_saddle(PetscInt n, const PetscScalar *H) {
-  for (PetscInt i = 0; i < n; ++i) {
-    if (H[n * i + i] != 0) continue;
-    for (PetscInt j = 0; j < n; ++j) {
-      if (H[n * i + j] != 0) return true;
-    }
-  }
-  return false;
-}
-
-bool is_finite(PetscInt n, const PetscScalar *H) {
-  return std::all_of(H, H + n * n, [](PetscScalar value) { return std::isfinite(value); });
+  // Hosts compute H_e by formulas or by automatic differentiation: equal up to their rounding.
+  look.symmetric = difference <= 1e-8 * largest;
+  return look;
 }
 
 }  // namespace
@@ -120,22 +124,18 @@ PetscErrorCode ElementHook::split_all(PetscInt n, const PetscInt *index,
   PetscFunctionBegin;
   ++counts_.elements;
   // What cannot be filtered goes on as it is; after the callback all ranks learn of it together.
-  if (!is_finite(n, values)) {
-    ++counts_.not_finite;
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  if (!is_symmetric(n, values)) {
-    ++counts_.nonsymmetric;
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  if (has_saddle(n, values)) {
-    ++counts_.saddle;
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  N_.resize(static_cast<std::size_t>(n * n));
+  const Look look = look_at(n, values);
+  counts_.not_finite += !look.finite;
+  counts_.nonsymmetric += look.finite && !look.symmetric;
+  counts_.saddle += look.finite && look.symmetric && look.saddle;
+  if (!look.finite || !look.symmetric || look.saddle) PetscFunctionReturn(PETSC_SUCCESS);
   PetscLogDouble begin = 0, end = 0;
+  SplitResult result;
   PetscCall(PetscTime(&begin));
-  const SplitResult result = split(static_cast<int>(n), 1, values, N_.data(), &negative);
+  if (!is_positive_semidefinite(static_cast<int>(n), values)) {
+    N_.resize(static_cast<std::size_t>(n * n));
+    result = split(static_cast<int>(n), 1, values, N_.data(), &negative);
+  }
   PetscCall(PetscTime(&end));
   filter_seconds_ += end - begin;
   PetscCheck(result.status == SplitStatus::ok, PETSC_COMM_SELF, PETSC_ERR_LIB,
@@ -181,19 +181,11 @@ PetscErrorCode ElementHook::end(Mat matrix, Mat *negative, InsertionCounts *tota
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, counts, 7, MPIU_INT64, MPI_SUM, comm));
   *total = {counts[0], counts[1], counts[2], counts[3], counts[4], counts[5], counts[6]};
 
-  const bool existed = *negative;
-  if (total->indefinite > 0 && !existed) PetscCall(duplicate_pattern(matrix, negative));
+  if (total->indefinite > 0 && !*negative) PetscCall(duplicate_pattern(matrix, negative));
   if (*negative) {
     PetscCall(flush_stash(*negative));
     PetscCall(zero_rows_of(*negative));
-    PetscCall(compare_pattern(matrix, *negative));
-    if (existed && !same_pattern_) {
-      Mat former = *negative;
-      PetscCall(duplicate_pattern(matrix, negative));
-      PetscCall(MatAXPY(*negative, 1, former, SUBSET_NONZERO_PATTERN));
-      PetscCall(MatDestroy(&former));
-      PetscCall(compare_pattern(matrix, *negative));
-    }
+    PetscCall(follow_pattern(matrix, negative));
   }
   forget();
   negative_ = nullptr;
@@ -201,31 +193,59 @@ PetscErrorCode ElementHook::end(Mat matrix, Mat *negative, InsertionCounts *tota
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// Makes N with the host's nonzero pattern, so that H + 2 w N can be a sum of arrays.
+/// Makes an empty N with the host's nonzero pattern, so that H + 2 w N can be a sum of arrays.
 PetscErrorCode ElementHook::duplicate_pattern(Mat matrix, Mat *negative) {
   PetscBool upper_only = PETSC_FALSE;
   PetscFunctionBegin;
   PetscCall(MatDuplicate(matrix, MAT_DO_NOT_COPY_VALUES, negative));
-  // A host may widen its pattern from one callback to the next, or leave zeros out.
+  // A host may widen its pattern from one callback to the next.
   PetscCall(MatSetOption(*negative, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_FALSE));
   PetscCall(PetscObjectTypeCompareAny(reinterpret_cast<PetscObject>(*negative), &upper_only,
                                       MATSEQSBAIJ, MATMPISBAIJ, ""));
   if (upper_only) PetscCall(MatSetOption(*negative, MAT_IGNORE_LOWER_TRIANGULAR, PETSC_TRUE));
+  // Types in parallel count changes of their pattern from the first assembly on.
+  PetscCall(MatAssemblyBegin(*negative, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatAssemblyEnd(*negative, MAT_FINAL_ASSEMBLY));
   PetscCall(PetscObjectGetId(reinterpret_cast<PetscObject>(*negative), &duplicate_));
   PetscCall(MatGetNonzeroState(matrix, &pattern_of_matrix_));
   PetscCall(MatGetNonzeroState(*negative, &pattern_of_negative_));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode ElementHook::compare_pattern(Mat matrix, Mat negative) {
+/// Whether neither pattern has changed since N was duplicated. BAIJ in parallel does not say when
+/// it widens; but then it has more entries than N.
+PetscErrorCode ElementHook::has_pattern(Mat matrix, Mat negative, bool *same) {
   PetscObjectId id = 0;
   PetscObjectState of_matrix = 0, of_negative = 0;
+  MatInfo matrix_info, negative_info;
   PetscFunctionBegin;
   PetscCall(PetscObjectGetId(reinterpret_cast<PetscObject>(negative), &id));
   PetscCall(MatGetNonzeroState(matrix, &of_matrix));
   PetscCall(MatGetNonzeroState(negative, &of_negative));
-  same_pattern_ = id == duplicate_ && of_matrix == pattern_of_matrix_ &&
-                  of_negative == pattern_of_negative_;
+  PetscCall(MatGetInfo(matrix, MAT_GLOBAL_SUM, &matrix_info));
+  PetscCall(MatGetInfo(negative, MAT_GLOBAL_SUM, &negative_info));
+  *same = id == duplicate_ && of_matrix == pattern_of_matrix_ &&
+          of_negative == pattern_of_negative_ && matrix_info.nz_used == negative_info.nz_used;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Moves N to the host's nonzero pattern where that has changed.
+PetscErrorCode ElementHook::follow_pattern(Mat matrix, Mat *negative) {
+  bool same = false;
+  PetscFunctionBegin;
+  PetscCall(has_pattern(matrix, *negative, &same));
+  if (same) PetscFunctionReturn(PETSC_SUCCESS);
+  Mat former = *negative;
+  PetscCall(duplicate_pattern(matrix, negative));
+  // Rows that were zeroed may have lost their entries.
+  PetscCall(MatSetOption(*negative, MAT_IGNORE_ZERO_ENTRIES, PETSC_TRUE));
+  PetscCall(MatAXPY(*negative, 1, former, SUBSET_NONZERO_PATTERN));
+  PetscCall(MatDestroy(&former));
+  PetscCall(has_pattern(matrix, *negative, &same));
+  PetscCheck(same, PetscObjectComm(reinterpret_cast<PetscObject>(matrix)), PETSC_ERR_SUP,
+             "the Jacobian has no room for the negative part of its elements: keep its nonzero "
+             "pattern whole (no MAT_IGNORE_ZERO_ENTRIES, and MAT_KEEP_NONZERO_PATTERN before "
+             "MatZeroRows())");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

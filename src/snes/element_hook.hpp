@@ -39,7 +39,8 @@ class ElementHook {
   /// @param in_field marks the unknowns to filter, by global number; null: all
   PetscErrorCode begin(Mat negative, const std::vector<char> *in_field);
   /// Ends it. If any rank has met an indefinite element, *negative is N, made when needed and
-  /// assembled, with the rows zeroed that the host has zeroed meanwhile. Collective.
+  /// assembled, with the rows zeroed that the host has zeroed meanwhile, and with the nonzero
+  /// pattern of `matrix`. Collective.
   PetscErrorCode end(Mat matrix, Mat *negative, InsertionCounts *total, double *filter_seconds);
 
   /// The host has zeroed its Mat and begins anew. Collective.
@@ -51,8 +52,6 @@ class ElementHook {
   [[nodiscard]] bool active() const { return active_; }
   /// Whether keep_active() was called.
   [[nodiscard]] bool always_active() const { return always_; }
-  /// Whether the N of the last end() has the nonzero pattern of its H; otherwise it has more.
-  [[nodiscard]] bool same_pattern() const { return same_pattern_; }
   /// Collects outside Jacobian callbacks, too: for hosts that assemble elsewhere.
   void keep_active() { always_ = active_ = true; }
 
@@ -71,7 +70,8 @@ class ElementHook {
   PetscErrorCode flush_stash(Mat negative);
   PetscErrorCode zero_rows_of(Mat negative);
   PetscErrorCode duplicate_pattern(Mat matrix, Mat *negative);
-  PetscErrorCode compare_pattern(Mat matrix, Mat negative);
+  PetscErrorCode follow_pattern(Mat matrix, Mat *negative);
+  PetscErrorCode has_pattern(Mat matrix, Mat negative, bool *same);
   void forget();
 
   /// Rows that the host zeroes during its callback.
@@ -85,7 +85,6 @@ class ElementHook {
   const std::vector<char> *in_field_ = nullptr;
   PetscObjectId duplicate_ = 0;  ///< the N that was duplicated, and both patterns at that time
   PetscObjectState pattern_of_matrix_ = 0, pattern_of_negative_ = 0;
-  bool same_pattern_ = true;
   InsertionCounts counts_;
   double filter_seconds_ = 0;
   std::vector<PetscInt> stashed_sizes_, stashed_indices_;

@@ -172,9 +172,7 @@ PetscErrorCode watch_host_jacobian(SolveContext &context, Vec x, Mat J, Mat H, b
   PetscCheck(hook, PetscObjectComm(reinterpret_cast<PetscObject>(H)), PETSC_ERR_ORDER,
              "the Jacobian callback has taken the hook off its Mat");
   PetscCall(hook->end(H, &context.negative, counts, filter_seconds));
-  PetscCall(MatGetNonzeroState(H, &context.negative_pattern));
-  if (!hook->same_pattern()) context.negative_pattern = -1;  // H never has that
-  context.negative_pattern_known = true;
+  PetscCall(MatGetNonzeroState(H, &context.negative_pattern));  // N has followed it
   if (context.options.strict) PetscCall(refuse_unfiltered(context, *counts));
   context.unfiltered.rectangular += counts->rectangular;
   context.unfiltered.partial += counts->partial;

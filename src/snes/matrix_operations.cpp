@@ -210,6 +210,22 @@ ElementHook *ElementHook::find(Mat matrix) {
   return operations ? &operations->hook : nullptr;
 }
 
+PetscErrorCode add_multiple(Mat matrix, double factor, Mat negative) {
+  ElementHook *hook = ElementHook::find(matrix);
+  const bool was_active = hook && hook->active();
+  PetscInt block_size = 1;
+  PetscBool symmetric = PETSC_FALSE;
+  PetscFunctionBegin;
+  PetscCall(MatGetBlockSize(matrix, &block_size));
+  PetscCall(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(matrix), MATMPISBAIJ, &symmetric));
+  if (was_active) hook->pause(true);
+  // With the same pattern, PETSc 3.18's MatAXPY_MPISBAIJ() adds one number a block.
+  PetscCall(MatAXPY(matrix, factor, negative,
+                    symmetric && block_size > 1 ? SUBSET_NONZERO_PATTERN : SAME_NONZERO_PATTERN));
+  if (was_active) hook->pause(false);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode set_values_unwatched(Mat matrix, PetscInt n, const PetscInt *index,
                                     const PetscScalar *values) {
   ElementHook *hook = ElementHook::find(matrix);

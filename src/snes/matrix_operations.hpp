@@ -37,6 +37,9 @@ struct ElementHook::Operations {
   }
 };
 
+/// matrix += factor negative, both of the same nonzero pattern, without a look. Collective.
+PetscErrorCode add_multiple(Mat matrix, double factor, Mat negative);
+
 /// Insertion without a look, for a block that the hook has been shown already.
 PetscErrorCode set_values_unwatched(Mat matrix, PetscInt n, const PetscInt *index,
                                     const PetscScalar *values);

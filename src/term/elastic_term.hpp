@@ -1,9 +1,7 @@
 #pragma once
 
-#include <cmath>
-#include <vector>
-
 #include "element/tet4.hpp"
+#include "element/tet4_packs.hpp"
 #include "material/material.hpp"
 #include "mesh/mesh.hpp"
 #include "petsc_compatibility.hpp"
@@ -15,15 +13,9 @@ namespace trefoil {
 template <Material M>
 class ElasticTerm final : public Term {
  public:
-  ElasticTerm(const Mesh &mesh, const M &material) : mesh_(mesh), material_(material) {
-    elements_.reserve(static_cast<std::size_t>(mesh.local_cells()));
-    for (PetscInt c = 0; c < mesh.local_cells(); ++c) {
-      double corner[4][3];
-      for (int a = 0; a < 4; ++a) {
-        for (int i = 0; i < 3; ++i) corner[a][i] = mesh.coordinates[dof(c, a, i)];
-      }
-      elements_.push_back(Tet4::at_rest(corner));
-    }
+  ElasticTerm(const Mesh &mesh, const M &material)
+      : mesh_(mesh), material_(material), packs_(pack_tetrahedra(mesh)) {
+    for (double volume : packs_.volumes) volume_ += volume;
     Matrix3<double> identity;
     for (int i = 0; i < 3; ++i) identity(i, i) = 1;
     rest_density_ = material_.energy_density(identity);
@@ -33,22 +25,22 @@ class ElasticTerm final : public Term {
   }
 
   void add_energy(const double *u, EnergySums *sums) const override {
-    for_each_element(u, [&](PetscInt, const Tet4 &tet, const Matrix3<double> &F) {
-      const double density = material_.energy_density(F);
-      sums->energy += density * tet.volume;
-      sums->scale += std::abs(density - rest_density_) * tet.volume;
-      sums->stiffness += mean_stiffness_ * tet.volume;
-    });
+    double energies[2] = {0, 0};
+    kernels_.energy(material_, packs_, 0, packs_.packs(), u, rest_density_, energies);
+    sums->energy += energies[0];
+    sums->scale += energies[1];
+    sums->stiffness += mean_stiffness_ * volume_;
   }
 
   void add_gradient(const double *u, double *gradient) const override {
-    for_each_element(u, [&](PetscInt c, const Tet4 &tet, const Matrix3<double> &F) {
-      double force[Tet4::dofs]{};
-      tet.add_force(material_.stress(F), force);
-      for (int a = 0; a < 4; ++a) {
-        for (int i = 0; i < 3; ++i) gradient[dof(c, a, i)] += force[3 * a + i];
-      }
-    });
+    kernels_.forces(material_, packs_, 0, packs_.packs(), u, gradient);
+  }
+
+  [[nodiscard]] const Tet4Packs *packs() const override { return &packs_; }
+
+  void reduced_hessians(PetscInt first, PetscInt count, const double *u,
+                        double *K) const override {
+    kernels_.reduced_hessians(material_, packs_, first, count, u, K);
   }
 
   PetscErrorCode add_hessian(const double *u, ElementHessianSink &sink) const override {
@@ -78,7 +70,7 @@ class ElasticTerm final : public Term {
   }
 
   [[nodiscard]] double bytes() const override {
-    return static_cast<double>(elements_.capacity() * sizeof(Tet4));
+    return packs_.bytes();
   }
 
  private:
@@ -87,22 +79,27 @@ class ElasticTerm final : public Term {
     return static_cast<std::size_t>(3 * mesh_.cells[static_cast<std::size_t>(4 * c + a)] + i);
   }
 
+  /// One element at a time: the plain path, for output and for what has no batched kernel.
   template <class Visit>
   void for_each_element(const double *u, Visit visit) const {
-    for (PetscInt c = 0; c < static_cast<PetscInt>(elements_.size()); ++c) {
-      const Tet4 &tet = elements_[static_cast<std::size_t>(c)];
-      double displacement[Tet4::dofs];
+    for (PetscInt c = 0; c < mesh_.local_cells(); ++c) {
+      double corner[4][3], displacement[Tet4::dofs];
       for (int a = 0; a < 4; ++a) {
-        for (int i = 0; i < 3; ++i) displacement[3 * a + i] = u[dof(c, a, i)];
+        for (int i = 0; i < 3; ++i) {
+          corner[a][i] = mesh_.coordinates[dof(c, a, i)];
+          displacement[3 * a + i] = u[dof(c, a, i)];
+        }
       }
+      const Tet4 tet = Tet4::at_rest(corner);
       visit(c, tet, tet.deformation_gradient(displacement));
     }
   }
 
   const Mesh &mesh_;
   M material_;
-  std::vector<Tet4> elements_;
-  double rest_density_ = 0, mean_stiffness_ = 0;
+  Tet4Packs packs_;
+  const Tet4Kernels<M> &kernels_ = tet4_kernels<M>();
+  double rest_density_ = 0, mean_stiffness_ = 0, volume_ = 0;
 };
 
 }  // namespace trefoil

@@ -5,6 +5,7 @@
 namespace trefoil {
 
 struct Mesh;
+struct Tet4Packs;
 
 /// Takes the dense Hessians of elements, one after the other: filters them and adds them up.
 class ElementHessianSink {
@@ -31,6 +32,13 @@ class Term {
   virtual void add_energy(const double *u, EnergySums *sums) const = 0;
   virtual void add_gradient(const double *u, double *gradient) const = 0;
   virtual PetscErrorCode add_hessian(const double *u, ElementHessianSink &sink) const = 0;
+  /// The term's elements in packs, whose reduced Hessians reduced_hessians() makes in batches; null
+  /// where it has no batched path.
+  [[nodiscard]] virtual const Tet4Packs *packs() const { return nullptr; }
+  /// Reduced Hessians of packs [first, first + count), see Tet4Kernels.
+  virtual void reduced_hessians(PetscInt first, PetscInt count, const double *u, double *K) const {
+    static_cast<void>(first), static_cast<void>(count), static_cast<void>(u), static_cast<void>(K);
+  }
   /// For output: fills, for each local cell, det F and psi; left alone by terms without cells.
   virtual void describe_cells(const double *u, double *determinant, double *energy_density) const {
     static_cast<void>(u), static_cast<void>(determinant), static_cast<void>(energy_density);

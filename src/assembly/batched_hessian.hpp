@@ -1,0 +1,31 @@
+#pragma once
+
+#include "assembly/direct_assembly.hpp"
+#include "term/term.hpp"
+#include "trefoil.h"
+
+namespace trefoil {
+
+/// H and N of a term whose elements come in packs: reduced Hessians in batches, filtered in batches,
+/// added straight into the matrices. The plain path next to it, HessianAssembler, tests it.
+class BatchedHessian {
+ public:
+  /// Prepares for matrices with the pattern of H. Collective.
+  PetscErrorCode set_up(const Discretization &discretization, Mat H) {
+    return direct_.set_up(discretization, H);
+  }
+  [[nodiscard]] bool ready() const { return direct_.ready(); }
+  [[nodiscard]] double bytes() const { return direct_.bytes(); }
+
+  /// Sets H (may be null: left alone) and N (may be null: not wanted) at the local displacements u.
+  /// @param filtering false: H only, nothing is split
+  /// @param statistics counts and seconds are added
+  /// Collective.
+  PetscErrorCode assemble(const Term &term, const double *u, Mat H, Mat N, bool filtering,
+                          TrefoilSplitStatistics *statistics) const;
+
+ private:
+  DirectAssembly direct_;
+};
+
+}  // namespace trefoil

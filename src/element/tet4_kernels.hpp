@@ -1,0 +1,199 @@
+#pragma once
+
+// The batched kernels themselves. Included only by the files that are compiled for one instruction
+// set each (tet4_kernels_*.cpp); everything in here depends on the type Pack<isa>.
+
+#include "element/tet4_packs.hpp"
+#include "material/matrix3.hpp"
+
+namespace trefoil {
+namespace {
+
+/// 2 h_k[a], see Tet4Packs.
+constexpr double hadamard[3][4] = {{1, 1, -1, -1}, {1, -1, 1, -1}, {1, -1, -1, 1}};
+
+template <InstructionSet isa>
+struct PackedTets {
+  using Real = Pack<isa>;
+  Real gradients[9];  ///< G_k[i] at 3 k + i
+  Real volume;
+  Matrix3<Real> F;
+
+  /// F = I + sum_a u_a g_a' = I + sum_k U_k G_k',  U_k = sum_a h_k[a] u_a.
+  PackedTets(const Tet4Packs &tets, PetscInt pack, const double *u) {
+    const double *G = tets.gradients.data() + 9 * lanes * pack;
+    const PetscInt *vertex = tets.vertices.data() + 4 * lanes * pack;
+    for (int k = 0; k < 9; ++k) gradients[k] = Real::load(G + lanes * k);
+    volume = Real::load(tets.volumes.data() + lanes * pack);
+    for (int i = 0; i < 3; ++i) {
+      Real corner[4];
+      for (int a = 0; a < 4; ++a) {
+        for (int lane = 0; lane < lanes; ++lane) {
+          corner[a].v[lane] = u[3 * vertex[lanes * a + lane] + i];
+        }
+      }
+      const Real left = 0.5 * (corner[0] + corner[1]), right = 0.5 * (corner[2] + corner[3]);
+      const Real even = 0.5 * (corner[0] - corner[1]), odd = 0.5 * (corner[2] - corner[3]);
+      const Real U[3] = {left - right, even + odd, even - odd};
+      for (int j = 0; j < 3; ++j) {
+        F(i, j) = U[0] * gradients[j] + U[1] * gradients[3 + j] + U[2] * gradients[6 + j];
+      }
+      F(i, i) += Real(1.0);
+    }
+  }
+};
+
+template <InstructionSet isa, class M>
+void packed_energy(const M &material, const Tet4Packs &tets, PetscInt first, PetscInt count,
+                   const double *u, double rest_density, double *sums) {
+  Pack<isa> energy, scale;
+  for (PetscInt pack = first; pack < first + count; ++pack) {
+    const PackedTets<isa> tet(tets, pack, u);
+    const Pack<isa> density = material.energy_density(tet.F);
+    energy += density * tet.volume;
+    scale += (density - Pack<isa>(rest_density)).absolute() * tet.volume;
+  }
+  sums[0] += energy.sum();
+  sums[1] += scale.sum();
+}
+
+template <InstructionSet isa, class M>
+void packed_forces(const M &material, const Tet4Packs &tets, PetscInt first, PetscInt count,
+                   const double *u, double *forces) {
+  using Real = Pack<isa>;
+  for (PetscInt pack = first; pack < first + count; ++pack) {
+    const PackedTets<isa> tet(tets, pack, u);
+    const PetscInt *vertex = tets.vertices.data() + 4 * lanes * pack;
+    const Matrix3<Real> P = material.stress(tet.F);
+    for (int i = 0; i < 3; ++i) {
+      Real reduced[3];  // V P G_k / 2
+      for (int k = 0; k < 3; ++k) {
+        reduced[k] = 0.5 * tet.volume *
+                     (P(i, 0) * tet.gradients[3 * k] + P(i, 1) * tet.gradients[3 * k + 1] +
+                      P(i, 2) * tet.gradients[3 * k + 2]);
+      }
+      for (int a = 0; a < 4; ++a) {
+        const Real force = hadamard[0][a] * reduced[0] + hadamard[1][a] * reduced[1] +
+                           hadamard[2][a] * reduced[2];
+        for (int lane = 0; lane < lanes; ++lane) {
+          forces[3 * vertex[lanes * a + lane] + i] += force.v[lane];
+        }
+      }
+    }
+  }
+}
+
+/// K[(k,i),(l,m)] = V sum_jn G_k[j] (dP_ij/dF_mn) G_l[n], the lower triangle.
+template <InstructionSet isa, class M>
+void packed_reduced_hessians(const M &material, const Tet4Packs &tets, PetscInt first,
+                             PetscInt count, const double *u, double *K) {
+  using Real = Pack<isa>;
+  for (PetscInt pack = first; pack < first + count; ++pack) {
+    const PackedTets<isa> tet(tets, pack, u);
+    Tangent<Real> A;
+    material.tangent(tet.F, A);
+    double *entry = K + reduced_entries * lanes * (pack - first);
+    for (int k = 0; k < 3; ++k) {
+      for (int i = 0; i < 3; ++i) {
+        Real row[9];  // V sum_j G_k[j] dP_ij/dF
+        for (int q = 0; q < 9; ++q) {
+          Real sum;
+          for (int j = 0; j < 3; ++j) {
+            sum += tet.gradients[3 * k + j] * A[static_cast<std::size_t>(9 * (3 * i + j) + q)];
+          }
+          row[q] = tet.volume * sum;
+        }
+        for (int column = 0; column <= 3 * k + i; ++column) {
+          const int l = column / 3, m = column % 3;
+          const Real value = row[3 * m] * tet.gradients[3 * l] +
+                             row[3 * m + 1] * tet.gradients[3 * l + 1] +
+                             row[3 * m + 2] * tet.gradients[3 * l + 2];
+          value.store(entry);
+          entry += lanes;
+        }
+      }
+    }
+  }
+}
+
+/// Applies the signs of the Hadamard vectors to three values: sum_k 2 h_k[a] x_k for a = 0..3.
+template <class Real>
+void hadamard_sums(const Real &x0, const Real &x1, const Real &x2, Real (&sums)[4]) {
+  const Real sum = x1 + x2, difference = x1 - x2;
+  sums[0] = x0 + sum;
+  sums[1] = x0 - sum;
+  sums[2] = difference - x0;
+  sums[3] = -(difference + x0);
+}
+
+/// H_ab = sum_kl h_k[a] h_l[b] K_kl, entry (i, m) of each block (a, b), from additions only.
+template <InstructionSet isa>
+void expand(const double *K, double *blocks) {
+  using Real = Pack<isa>;
+  for (int i = 0; i < 3; ++i) {
+    for (int m = 0; m < 3; ++m) {
+      Real rows[3][4];  // by column l, over the corners a
+      for (int l = 0; l < 3; ++l) {
+        Real x[3];
+        for (int k = 0; k < 3; ++k) {
+          const int r = 3 * k + i, c = 3 * l + m;
+          const int entry = r >= c ? r * (r + 1) / 2 + c : c * (c + 1) / 2 + r;
+          x[k] = 0.25 * Real::load(K + lanes * entry);
+        }
+        hadamard_sums(x[0], x[1], x[2], rows[l]);
+      }
+      for (int a = 0; a < 4; ++a) {
+        Real block[4];
+        hadamard_sums(rows[0][a], rows[1][a], rows[2][a], block);
+        for (int b = 0; b < 4; ++b) block[b].store(blocks + lanes * (9 * (4 * a + b) + 3 * i + m));
+      }
+    }
+  }
+}
+
+template <InstructionSet isa>
+void add_packed_blocks(const Tet4Packs &tets, PetscInt first, PetscInt count, const double *K,
+                       const int *chosen, const BlockPlaces &places, double *const arrays[4]) {
+  alignas(64) double blocks[16 * 9 * lanes];
+  for (PetscInt pack = 0; pack < count; ++pack) {
+    const int *wanted = chosen ? chosen + lanes * pack : nullptr;
+    bool any = !wanted;
+    for (int lane = 0; wanted && lane < lanes; ++lane) any = any || wanted[lane] > 0;
+    if (!any) continue;
+    expand<isa>(K + reduced_entries * lanes * pack, blocks);
+    const PetscInt begin = lanes * (first + pack);
+    for (int lane = 0; lane < lanes && begin + lane < tets.elements; ++lane) {
+      if (wanted && wanted[lane] <= 0) continue;
+      const std::int32_t *code = places.code.data() + 16 * static_cast<std::ptrdiff_t>(begin + lane);
+      const PetscInt *vertex = tets.vertices.data() + 4 * lanes * (first + pack) + lane;
+      for (int a = 0; a < 4; ++a) {
+        const std::int32_t *stride = places.stride.data() + 4 * vertex[lanes * a];
+        for (int b = 0; b < 4; ++b) {
+          const std::int32_t place = code[4 * a + b];
+          double *to = arrays[place & 3] + (place >> 2);
+          const std::int32_t step = stride[place & 3];
+          const double *from = blocks + lanes * 9 * (4 * a + b) + lane;
+          for (int i = 0; i < 3; ++i, to += step, from += 3 * lanes) {
+            to[0] += from[0];
+            to[1] += from[lanes];
+            to[2] += from[2 * lanes];
+          }
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
+
+template <InstructionSet isa>
+AddBlocks make_add_blocks() {
+  return add_packed_blocks<isa>;
+}
+
+template <class M, InstructionSet isa>
+Tet4Kernels<M> make_tet4_kernels() {
+  return {packed_energy<isa, M>, packed_forces<isa, M>, packed_reduced_hessians<isa, M>};
+}
+
+}  // namespace trefoil

@@ -1,0 +1,91 @@
+#include "element/tet4_packs.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
+#include <utility>
+
+#include "element/tet4.hpp"
+#include "material/stable_neo_hookean.hpp"
+#include "mesh/mesh.hpp"
+
+namespace trefoil {
+
+Tet4Packs pack_tetrahedra(const Mesh &mesh) {
+  static constexpr double hadamard[3][4] = {
+      {.5, .5, -.5, -.5}, {.5, -.5, .5, -.5}, {.5, -.5, -.5, .5}};
+  Tet4Packs tets;
+  tets.elements = mesh.local_cells();
+  const auto packs = static_cast<std::size_t>(tets.packs());
+  tets.gradients.resize(packs * 9 * lanes);
+  tets.volumes.resize(packs * lanes);
+  tets.vertices.resize(packs * 4 * lanes);
+  for (std::size_t e = 0; e < packs * lanes; ++e) {
+    const std::size_t pack = e / lanes, lane = e % lanes;
+    const std::size_t cell = std::min(e, static_cast<std::size_t>(tets.elements) - 1);
+    double corner[4][3];
+    for (std::size_t a = 0; a < 4; ++a) {
+      const PetscInt vertex = mesh.cells[4 * cell + a];
+      tets.vertices[(4 * pack + a) * lanes + lane] = vertex;
+      for (std::size_t i = 0; i < 3; ++i) {
+        corner[a][i] = mesh.coordinates[static_cast<std::size_t>(3 * vertex) + i];
+      }
+    }
+    const Tet4 tet = Tet4::at_rest(corner);
+    tets.volumes[pack * lanes + lane] = cell == e ? tet.volume : 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      for (std::size_t i = 0; i < 3; ++i) {
+        double sum = 0;
+        for (int a = 0; a < 4; ++a) sum += hadamard[k][a] * tet.gradients[a][i];
+        tets.gradients[(9 * pack + 3 * k + i) * lanes + lane] = sum;
+      }
+    }
+  }
+  return tets;
+}
+
+InstructionSet chosen_instruction_set() {
+  static const InstructionSet chosen = [] {
+    const char *wish = std::getenv("TREFOIL_SIMD");
+    for (const auto &[set, name] : {std::pair{InstructionSet::avx512, "avx512"},
+                                    std::pair{InstructionSet::avx2, "avx2"}}) {
+      if (processor_has(set) && (!wish || std::strcmp(wish, name) == 0)) return set;
+    }
+    return InstructionSet::baseline;
+  }();
+  return chosen;
+}
+
+AddBlocks add_blocks_kernel() {
+  switch (chosen_instruction_set()) {
+#if defined(__x86_64__)
+    case InstructionSet::avx512:
+      return make_add_blocks<InstructionSet::avx512>();
+    case InstructionSet::avx2:
+      return make_add_blocks<InstructionSet::avx2>();
+#endif
+    default:
+      return make_add_blocks<InstructionSet::baseline>();
+  }
+}
+
+template <class M>
+const Tet4Kernels<M> &tet4_kernels() {
+  static const Tet4Kernels<M> kernels = [] {
+    switch (chosen_instruction_set()) {
+#if defined(__x86_64__)
+      case InstructionSet::avx512:
+        return make_tet4_kernels<M, InstructionSet::avx512>();
+      case InstructionSet::avx2:
+        return make_tet4_kernels<M, InstructionSet::avx2>();
+#endif
+      default:
+        return make_tet4_kernels<M, InstructionSet::baseline>();
+    }
+  }();
+  return kernels;
+}
+
+template const Tet4Kernels<StableNeoHookean> &tet4_kernels<StableNeoHookean>();
+
+}  // namespace trefoil

@@ -1,0 +1,88 @@
+#pragma once
+
+#include <petscsystypes.h>
+
+#include <cstdint>
+#include <vector>
+
+#include "element/pack.hpp"
+
+namespace trefoil {
+
+struct Mesh;
+
+/// Linear tetrahedra at rest, eight to a pack, structure of arrays.
+///
+/// The gradients g_a of the four shape functions add up to zero, so three combinations say it all:
+/// with the Hadamard vectors h_1 = (1,1,-1,-1)/2, h_2 = (1,-1,1,-1)/2, h_3 = (1,-1,-1,1)/2, which
+/// with the constant one are orthonormal,
+///   G_k = sum_a h_k[a] g_a,   g_a = sum_k h_k[a] G_k.
+/// In the basis h_k (x) e_i an element has nine unknowns and its Hessian is 9 x 9, with the same
+/// non-zero eigenvalues as the 12 x 12 one: what is left out are the rigid translations.
+///
+/// The last pack is filled up with copies of the last element that have no volume.
+struct Tet4Packs {
+  PetscInt elements = 0;
+  std::vector<double> gradients;  ///< packs x 9 x 8: G_k[i] at row 3 k + i, 1/length
+  std::vector<double> volumes;    ///< packs x 8: rest volumes
+  std::vector<PetscInt> vertices;  ///< packs x 4 x 8: local vertex numbers
+
+  [[nodiscard]] PetscInt packs() const { return (elements + lanes - 1) / lanes; }
+  [[nodiscard]] double bytes() const {
+    return static_cast<double>((gradients.capacity() + volumes.capacity()) * sizeof(double) +
+                               vertices.capacity() * sizeof(PetscInt));
+  }
+};
+
+/// The cells of a mesh as packs, in their order.
+Tet4Packs pack_tetrahedra(const Mesh &mesh);
+
+/// Where the 3 x 3 blocks of elements go: into up to four arrays, a block being three runs of three
+/// numbers that lie `stride` apart.
+struct BlockPlaces {
+  /// cells x 16: block (a, b) of a cell at 4 a + b. The two lowest bits choose the array, the rest
+  /// is the place of the block's first number in it.
+  std::vector<std::int32_t> code;
+  /// 4 x local vertices: distance between the rows of a block in array r for row vertex v, at
+  /// 4 v + r.
+  std::vector<std::int32_t> stride;
+};
+
+/// Expands reduced matrices of packs [first, first + count) to the elements' blocks and adds them.
+/// @param K as reduced_hessians() writes it
+/// @param chosen elements to add, by lane of the packs: those where it is positive; null: all
+/// @param arrays what BlockPlaces chooses from
+using AddBlocks = void (*)(const Tet4Packs &tets, PetscInt first, PetscInt count, const double *K,
+                           const int *chosen, const BlockPlaces &places, double *const arrays[4]);
+AddBlocks add_blocks_kernel();
+template <InstructionSet isa>
+AddBlocks make_add_blocks();
+
+/// What a material's batched kernels do, for packs [first, first + count). `u` and `forces` are
+/// local arrays, 3 numbers a local vertex.
+template <class M>
+struct Tet4Kernels {
+  /// Adds sum psi V to sums[0] and sum |psi - rest_density| V to sums[1].
+  void (*energy)(const M &material, const Tet4Packs &tets, PetscInt first, PetscInt count,
+                 const double *u, double rest_density, double *sums);
+  /// Adds the elements' forces V P g_a.
+  void (*forces)(const M &material, const Tet4Packs &tets, PetscInt first, PetscInt count,
+                 const double *u, double *forces);
+  /// Reduced Hessians, lower triangles: K[(45 * pack + entry) * 8 + lane], pack from 0.
+  void (*reduced_hessians)(const M &material, const Tet4Packs &tets, PetscInt first,
+                           PetscInt count, const double *u, double *K);
+};
+
+/// The kernels for the best instruction set of this machine (or for the one that the environment
+/// variable TREFOIL_SIMD names: baseline, avx2 or avx512, for tests).
+template <class M>
+const Tet4Kernels<M> &tet4_kernels();
+
+/// The kernels for one instruction set; defined in the file that is compiled for it.
+template <class M, InstructionSet isa>
+Tet4Kernels<M> make_tet4_kernels();
+
+/// The instruction set that tet4_kernels() uses.
+InstructionSet chosen_instruction_set();
+
+}  // namespace trefoil
