@@ -41,6 +41,14 @@ constexpr double negligible_square = 1e-280;
 constexpr int most_iterations = 40;
 /// ||T z - lambda z|| / ||T|| that an eigenvector must reach; the contract allows 1e-13.
 constexpr double trusted_residual = 8e-15;
+/// lambda / ||T|| of what with such a residual cannot be a zero.
+constexpr double clearly_negative = -2e-14;
+/// Where the search for eigenvalues starts, over ||T||: to the left of zero, because from the edge of
+/// a null space, at -1e-15, it would take Laguerre 40 steps to get away.
+#ifndef SF
+#define SF -1e-6
+#endif
+constexpr double search_from = SF;
 
 constexpr int out_of_range = n + 1;  ///< subnormal, huge, NaN or Inf
 constexpr int not_trusted = -2;

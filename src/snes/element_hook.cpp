@@ -36,7 +36,8 @@ Look look_at(PetscInt n, const PetscScalar *H) {
       difference = std::max(difference, std::abs(lower - upper));
     }
     if (H[n * i + i] == 0) {
-      look.saddle |= std::any_of(H + n * i, H + n * (i + 1), [](double value) { return value != 0; });
+      look.saddle |=
+          std::any_of(H + n * i, H + n * (i + 1), [](double value) { return value != 0; });
     }
   }
   // Hosts compute H_e by formulas or by automatic differentiation: equal up to their rounding.
@@ -175,8 +176,8 @@ PetscErrorCode ElementHook::end(Mat matrix, Mat *negative, InsertionCounts *tota
   PetscFunctionBegin;
   active_ = always_;
   *filter_seconds = filter_seconds_;
-  PetscInt64 counts[] = {counts_.elements,     counts_.indefinite, counts_.rectangular,
-                         counts_.partial,      counts_.nonsymmetric, counts_.saddle,
+  PetscInt64 counts[] = {counts_.elements,  counts_.indefinite,   counts_.rectangular,
+                         counts_.partial,   counts_.nonsymmetric, counts_.saddle,
                          counts_.not_finite};
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, counts, 7, MPIU_INT64, MPI_SUM, comm));
   *total = {counts[0], counts[1], counts[2], counts[3], counts[4], counts[5], counts[6]};

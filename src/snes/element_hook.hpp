@@ -9,13 +9,13 @@ namespace trefoil {
 
 /// What went into a hooked Mat during one Jacobian callback. Counts of this rank, then of all.
 struct InsertionCounts {
-  PetscInt64 elements = 0;       ///< element blocks: added, square, the same indices on both sides
-  PetscInt64 indefinite = 0;     ///< of these, with a negative eigenvalue
-  PetscInt64 rectangular = 0;    ///< added blocks with different numbers of rows and columns
-  PetscInt64 partial = 0;        ///< of the rectangular ones, with rows that are among the columns
-  PetscInt64 nonsymmetric = 0;   ///< element blocks that are not symmetric
-  PetscInt64 saddle = 0;         ///< element blocks with a zero on the diagonal of a non-zero row
-  PetscInt64 not_finite = 0;     ///< element blocks with NaN or Inf
+  PetscInt64 elements = 0;      ///< element blocks: added, square, the same indices on both sides
+  PetscInt64 indefinite = 0;    ///< of these, with a negative eigenvalue
+  PetscInt64 rectangular = 0;   ///< added blocks with different numbers of rows and columns
+  PetscInt64 partial = 0;       ///< of the rectangular ones, with rows that are among the columns
+  PetscInt64 nonsymmetric = 0;  ///< element blocks that are not symmetric
+  PetscInt64 saddle = 0;        ///< element blocks with a zero on the diagonal of a non-zero row
+  PetscInt64 not_finite = 0;    ///< element blocks with NaN or Inf
 
   [[nodiscard]] PetscInt64 unfiltered() const {
     return rectangular + nonsymmetric + saddle + not_finite;
@@ -90,7 +90,7 @@ class ElementHook {
   std::vector<PetscInt> stashed_sizes_, stashed_indices_;
   std::vector<double> stashed_values_;
   std::vector<ZeroedRows> zeroed_;
-  std::vector<double> block_, N_;   // work
+  std::vector<double> block_, N_;          // work
   std::vector<PetscInt> index_, members_;  // work
 };
 

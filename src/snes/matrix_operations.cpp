@@ -87,12 +87,11 @@ PetscErrorCode watched_set_values_local(Mat matrix, PetscInt m, const PetscInt r
     PetscCall(MatGetLocalToGlobalMapping(matrix, &row_map, &column_map));
     std::vector<PetscInt> global_rows(static_cast<std::size_t>(m));
     std::vector<PetscInt> global_columns(static_cast<std::size_t>(n));
-    const auto apply =
-        blocked ? ISLocalToGlobalMappingApplyBlock : ISLocalToGlobalMappingApply;
+    const auto apply = blocked ? ISLocalToGlobalMappingApplyBlock : ISLocalToGlobalMappingApply;
     PetscCall(apply(row_map, m, rows, global_rows.data()));
     PetscCall(apply(column_map, n, columns, global_columns.data()));
-    PetscCall(operations->watch(m, global_rows.data(), n, global_columns.data(), values,
-                                mode, block_size));
+    PetscCall(operations->watch(m, global_rows.data(), n, global_columns.data(), values, mode,
+                                block_size));
   }
   PetscCall((operations->*original)(matrix, m, rows, n, columns, values, mode));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -155,10 +154,9 @@ PetscErrorCode for_each_operation(Operations &own, Visit visit) {
   PetscCall(visit(MATOP_SET_VALUES_BLOCKEDLOCAL,
                   &watched_set_values_local<&Operations::set_values_blocked_local, true>,
                   &own.set_values_blocked_local));
-  PetscCall(visit(MATOP_ZERO_ROWS, &watched_zero_rows<&Operations::zero_rows, false>,
-                  &own.zero_rows));
-  PetscCall(visit(MATOP_ZERO_ROWS_COLUMNS,
-                  &watched_zero_rows<&Operations::zero_rows_columns, true>,
+  PetscCall(
+      visit(MATOP_ZERO_ROWS, &watched_zero_rows<&Operations::zero_rows, false>, &own.zero_rows));
+  PetscCall(visit(MATOP_ZERO_ROWS_COLUMNS, &watched_zero_rows<&Operations::zero_rows_columns, true>,
                   &own.zero_rows_columns));
   PetscCall(visit(MATOP_ZERO_ENTRIES, &watched_zero_entries, &own.zero_entries));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -4,7 +4,7 @@
 #include <petscmat.h>
 
 #include "element_matrices.hpp"
-#include "snes/element_hook.hpp"
+#include "snes/matrix_operations.hpp"
 
 namespace trefoil::test {
 namespace {
@@ -30,11 +30,9 @@ class WatchedMatrix {
     ASSERT_EQ(ElementHook::attach(H, &hook), 0);
     ASSERT_EQ(hook->begin(N, nullptr), 0);
     ASSERT_EQ(MatZeroEntries(H), 0);
-    // Forgotten where MatAXPY() made the Mat anew.
     ASSERT_EQ(MatSetOption(H, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_FALSE), 0);
     ASSERT_EQ(host(H), 0);
     ASSERT_EQ(hook->end(H, &N, &counts, &seconds), 0);
-    same_pattern_ = hook->same_pattern();
     EXPECT_FALSE(hook->active());
     EXPECT_GE(seconds, 0);
   }
@@ -42,18 +40,13 @@ class WatchedMatrix {
     callback([&](Mat matrix) { return add_elements(matrix, elements_, way); });
   }
 
-  void add_negative(double weight) {
-    ASSERT_EQ(MatAXPY(H, 2 * weight, N,
-                      same_pattern_ ? SAME_NONZERO_PATTERN : DIFFERENT_NONZERO_PATTERN),
-              0);
-  }
+  void add_negative(double weight) { ASSERT_EQ(add_multiple(H, 2 * weight, N), 0); }
 
   Mat H = nullptr, N = nullptr;
   InsertionCounts counts;
 
  private:
   const Elements &elements_;
-  bool same_pattern_ = false;
 };
 
 struct Setting {
@@ -127,7 +120,8 @@ TEST_P(HookTest, MakesNoMatrixWhereNothingIsNegative) {
 
 /// The same without these rows, and columns if asked, and with `diagonal` there.
 Dense zeroed(Dense matrix, const std::vector<PetscInt> &rows, bool columns_too, double diagonal) {
-  const auto n = static_cast<std::size_t>(std::lround(std::sqrt(static_cast<double>(matrix.size()))));
+  const auto n =
+      static_cast<std::size_t>(std::lround(std::sqrt(static_cast<double>(matrix.size()))));
   for (const PetscInt row : rows) {
     const auto r = static_cast<std::size_t>(row);
     for (std::size_t i = 0; i < n; ++i) {
@@ -151,21 +145,22 @@ std::string name_of_zeroing(const testing::TestParamInfo<Zeroing> &info) {
 }
 
 class ZeroRowsTest : public testing::TestWithParam<Zeroing> {};
-INSTANTIATE_TEST_SUITE_P(
-    Types, ZeroRowsTest,
-    testing::Values(Zeroing{MATAIJ, false, true}, Zeroing{MATAIJ, true, true},
-                    Zeroing{MATAIJ, true, false}, Zeroing{MATAIJ, false, false},
-                    Zeroing{MATBAIJ, false, true},
-                    Zeroing{MATBAIJ, true, true}, Zeroing{MATSBAIJ, true, true}),
-    name_of_zeroing);
+INSTANTIATE_TEST_SUITE_P(Types, ZeroRowsTest,
+                         testing::Values(Zeroing{MATAIJ, false, true}, Zeroing{MATAIJ, true, true},
+                                         Zeroing{MATAIJ, true, false},
+                                         Zeroing{MATAIJ, false, false},
+                                         Zeroing{MATBAIJ, false, true},
+                                         Zeroing{MATBAIJ, true, true},
+                                         Zeroing{MATSBAIJ, true, true}),
+                         name_of_zeroing);
 
 TEST_P(ZeroRowsTest, OfTheHostAreZeroInTheNegativePart) {
   const auto &[type, columns_too, keep] = GetParam();
   const Elements elements(3, Kind::mixed);
   WatchedMatrix matrix(type, elements);
   PetscBool able = PETSC_FALSE;
-  ASSERT_EQ(MatHasOperation(matrix.H, columns_too ? MATOP_ZERO_ROWS_COLUMNS : MATOP_ZERO_ROWS,
-                            &able), 0);
+  ASSERT_EQ(
+      MatHasOperation(matrix.H, columns_too ? MATOP_ZERO_ROWS_COLUMNS : MATOP_ZERO_ROWS, &able), 0);
   if (!able) GTEST_SKIP() << "PETSc has no such operation for this type";
   ASSERT_EQ(MatSetOption(matrix.H, MAT_KEEP_NONZERO_PATTERN, keep ? PETSC_TRUE : PETSC_FALSE), 0);
   // Each rank names rows, some of them not its own, and in two calls.
