@@ -60,7 +60,9 @@ PetscErrorCode announce(int signal, void *context) {
 }
 
 /// PETSc prints errors that come before its own start through this hook as well.
-PetscErrorCode print_nothing(const char *, ...) { return static_cast<PetscErrorCode>(0); }
+PetscErrorCode print_nothing(const char *, ...) {
+  return static_cast<PetscErrorCode>(0);
+}
 
 bool ends_in(const std::string &text, const std::string &end) {
   return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
@@ -93,8 +95,8 @@ std::vector<std::string> words_of(const std::string &line) {
   std::vector<std::string> words;
   for (std::size_t begin = 0; (begin = text.find_first_not_of(blanks, begin)) != text.npos;) {
     const bool is_quoted = text[begin] == '"' || text[begin] == '\'';
-    const std::size_t end = is_quoted ? text.find(text[begin], begin + 1)
-                                      : text.find_first_of(blanks, begin);
+    const std::size_t end =
+        is_quoted ? text.find(text[begin], begin + 1) : text.find_first_of(blanks, begin);
     words.push_back(text.substr(begin, end == text.npos ? end : end - begin));
     if (end == text.npos) break;
     begin = end + 1;
@@ -124,7 +126,8 @@ std::string problem_of_yaml(std::istream &file) {
   PetscErrorCode error = PetscOptionsCreate(&scratch);
   if (!error) error = PetscOptionsInsertStringYAML(scratch, text.c_str());
   static_cast<void>(PetscOptionsDestroy(&scratch));
-  return error ? kept_sentence + "; check its indentation (no tabulators), brackets and quotes" : "";
+  return error ? kept_sentence + "; check its indentation (no tabulators), brackets and quotes"
+               : "";
 }
 
 /// On one rank: what keeps PETSc from reading a file of options, or nothing.
@@ -193,9 +196,13 @@ void keep_errors() {
   static_cast<void>(PetscPushErrorHandler(keep, nullptr));
 }
 
-void announce_signals() { static_cast<void>(PetscPushSignalHandler(announce, nullptr)); }
+void announce_signals() {
+  static_cast<void>(PetscPushSignalHandler(announce, nullptr));
+}
 
-void keep_error(const std::string &sentence) { kept_sentence = sentence; }
+void keep_error(const std::string &sentence) {
+  kept_sentence = sentence;
+}
 
 bool can_read_arguments(int argc, char **argv) {
   int rank = 0, readable = 1;
@@ -213,7 +220,8 @@ void use_one_thread_a_rank() {
   if (std::getenv("OMP_NUM_THREADS") || std::getenv("OPENBLAS_NUM_THREADS")) return;
   // Both libraries have read their environment by now, and CHOLMOD asks OpenMP for threads itself;
   // only calls help. They exist where these libraries do.
-  if (auto *set = reinterpret_cast<void (*)(int)>(dlsym(RTLD_DEFAULT, "openblas_set_num_threads"))) {
+  if (auto *set =
+          reinterpret_cast<void (*)(int)>(dlsym(RTLD_DEFAULT, "openblas_set_num_threads"))) {
     set(1);
   }
   if (auto *set =

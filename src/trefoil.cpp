@@ -19,8 +19,10 @@
 #include "trefoil.h"
 
 static const char help[] =
-    "Finds the equilibrium of an elastic body: a mesh, a material, what is held and what is moved.\n"
-    "Options come from a YAML file, -options_file scene.yaml, or from the command line; what comes\n"
+    "Finds the equilibrium of an elastic body: a mesh, a material, what is held and what is "
+    "moved.\n"
+    "Options come from a YAML file, -options_file scene.yaml, or from the command line; what "
+    "comes\n"
     "later wins.\n\n";
 
 static PetscErrorCode run(double begin, bool *converged) {

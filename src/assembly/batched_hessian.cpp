@@ -28,8 +28,8 @@ PetscErrorCode filter(Workspace &work, PetscInt packs, TrefoilSplitStatistics *s
   PetscFunctionBeginUser;
   PetscCall(PetscLogEventBegin(event_filter, nullptr, nullptr, nullptr, nullptr));
   PetscCall(PetscTime(&begin));
-  const SplitResult result = split_reduced(static_cast<int>(packs), work.K.data(), work.N.data(),
-                                           work.negative.data());
+  const SplitResult result =
+      split_reduced(static_cast<int>(packs), work.K.data(), work.N.data(), work.negative.data());
   PetscCall(PetscTime(&end));
   PetscCall(PetscLogEventEnd(event_filter, nullptr, nullptr, nullptr, nullptr));
   PetscCheck(result.status == SplitStatus::ok || result.status == SplitStatus::not_finite,

@@ -6,8 +6,9 @@
 
 namespace trefoil {
 
-/// H and N of a term whose elements come in packs: reduced Hessians in batches, filtered in batches,
-/// added straight into the matrices. The plain path next to it, HessianAssembler, tests it.
+/// H and N of a term whose elements come in packs: reduced Hessians in batches, filtered in
+/// batches, added straight into the matrices. The plain path next to it, HessianAssembler, tests
+/// it.
 class BatchedHessian {
  public:
   /// Prepares for matrices with the pattern of H. Collective.

@@ -52,7 +52,8 @@ PetscErrorCode DirectAssembly::find_rows(Mat matrix) {
     PetscCall(MatGetRowIJ(parts[p], 0, PETSC_FALSE, PETSC_FALSE, &rows, &start, &column, &done));
     start_[p].assign(start, start + rows + 1);
     column_[p].assign(column, column + start[rows]);
-    PetscCall(MatRestoreRowIJ(parts[p], 0, PETSC_FALSE, PETSC_FALSE, &rows, &start, &column, &done));
+    PetscCall(
+        MatRestoreRowIJ(parts[p], 0, PETSC_FALSE, PETSC_FALSE, &rows, &start, &column, &done));
   }
   if (parts[1]) {
     PetscInt columns = 0;
@@ -122,7 +123,8 @@ PetscErrorCode DirectAssembly::set_up(const Discretization &discretization, Mat 
         if (is_mine(row)) {
           PetscCall(place_block(row, column, &code));
         } else {
-          const auto found = std::lower_bound(outgoing.begin(), outgoing.end(), Remote{row, column});
+          const auto found =
+              std::lower_bound(outgoing.begin(), outgoing.end(), Remote{row, column});
           code = code_of(9 * static_cast<std::size_t>(found - outgoing.begin()), for_others);
         }
       }
@@ -150,7 +152,8 @@ PetscErrorCode DirectAssembly::connect(MPI_Comm comm, const std::vector<Remote> 
   const std::size_t ranks = row_ranges_.size() - 1;
   PetscFunctionBeginUser;
   outgoing_count_ = outgoing.size();
-  std::vector<PetscMPIInt> send(ranks, 0), receive(ranks, 0), send_at(ranks, 0), receive_at(ranks, 0);
+  std::vector<PetscMPIInt> send(ranks, 0), receive(ranks, 0), send_at(ranks, 0),
+      receive_at(ranks, 0);
   std::vector<PetscInt> numbers;  // sorted by row, so by owner
   for (const Remote &block : outgoing) {
     const auto owner = std::upper_bound(row_ranges_.begin(), row_ranges_.end(), block.row) -
@@ -175,7 +178,8 @@ PetscErrorCode DirectAssembly::connect(MPI_Comm comm, const std::vector<Remote> 
   }
   // A sender's first block lies at the owner behind those of the ranks before it.
   std::vector<PetscMPIInt> offset_at_owner(ranks, 0);
-  PetscCallMPI(MPI_Alltoall(receive_at.data(), 1, MPI_INT, offset_at_owner.data(), 1, MPI_INT, comm));
+  PetscCallMPI(
+      MPI_Alltoall(receive_at.data(), 1, MPI_INT, offset_at_owner.data(), 1, MPI_INT, comm));
   std::vector<PetscSFNode> destination;
   for (std::size_t rank = 0; rank < ranks; ++rank) {
     for (PetscMPIInt i = 0; i < send[rank] / 2; ++i) {

@@ -10,8 +10,8 @@ namespace trefoil {
 
 /// What a scene holds of each local vertex: 3 entries a vertex.
 struct HeldDofs {
-  std::vector<char> held;       ///< this component is prescribed
-  std::vector<double> value;    ///< its displacement; 0 where free
+  std::vector<char> held;     ///< this component is prescribed
+  std::vector<double> value;  ///< its displacement; 0 where free
 };
 
 /// The unknowns of a mesh: displacements of the vertices, 3 a vertex, less those that are held.

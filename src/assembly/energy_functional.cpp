@@ -145,8 +145,8 @@ PetscErrorCode EnergyFunctional::count_inverted(Vec x, PetscInt64 *inverted) con
     term->describe_cells(u, determinant.data(), energy_density.data());
   }
   PetscCall(discretization_.restore_local(&local, &u));
-  *inverted = std::count_if(determinant.begin(), determinant.end(),
-                            [](double det) { return !(det > 0); });
+  *inverted =
+      std::count_if(determinant.begin(), determinant.end(), [](double det) { return !(det > 0); });
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, inverted, 1, MPIU_INT64, MPI_SUM,
                              PetscObjectComm(reinterpret_cast<PetscObject>(x))));
   PetscFunctionReturn(PETSC_SUCCESS);

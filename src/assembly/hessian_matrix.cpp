@@ -41,8 +41,7 @@ PetscErrorCode Discretization::create_vertex_graph(Mat *graph) const {
       }
     }
   }
-  const auto owned =
-      static_cast<PetscInt>(std::count(mesh.owned.begin(), mesh.owned.end(), 1));
+  const auto owned = static_cast<PetscInt>(std::count(mesh.owned.begin(), mesh.owned.end(), 1));
   PetscCall(MatCreate(comm, graph));
   PetscCall(MatSetSizes(*graph, owned, owned, PETSC_DETERMINE, PETSC_DETERMINE));
   PetscCall(MatSetType(*graph, MATAIJ));

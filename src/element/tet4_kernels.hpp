@@ -73,8 +73,8 @@ void packed_forces(const M &material, const Tet4Packs &tets, PetscInt first, Pet
                       P(i, 2) * tet.gradients[3 * k + 2]);
       }
       for (int a = 0; a < 4; ++a) {
-        const Real force = hadamard[0][a] * reduced[0] + hadamard[1][a] * reduced[1] +
-                           hadamard[2][a] * reduced[2];
+        const Real force =
+            hadamard[0][a] * reduced[0] + hadamard[1][a] * reduced[1] + hadamard[2][a] * reduced[2];
         for (int lane = 0; lane < lanes; ++lane) {
           forces[3 * vertex[lanes * a + lane] + i] += force.v[lane];
         }
@@ -164,7 +164,8 @@ void add_packed_blocks(const Tet4Packs &tets, PetscInt first, PetscInt count, co
     const PetscInt begin = lanes * (first + pack);
     for (int lane = 0; lane < lanes && begin + lane < tets.elements; ++lane) {
       if (wanted && wanted[lane] <= 0) continue;
-      const std::int32_t *code = places.code.data() + 16 * static_cast<std::ptrdiff_t>(begin + lane);
+      const std::int32_t *code =
+          places.code.data() + 16 * static_cast<std::ptrdiff_t>(begin + lane);
       const PetscInt *vertex = tets.vertices.data() + 4 * lanes * (first + pack) + lane;
       for (int a = 0; a < 4; ++a) {
         const std::int32_t *stride = places.stride.data() + 4 * vertex[lanes * a];

@@ -4,8 +4,7 @@
 
 namespace trefoil {
 
-template Tet4Kernels<StableNeoHookean>
-make_tet4_kernels<StableNeoHookean, InstructionSet::avx2>();
+template Tet4Kernels<StableNeoHookean> make_tet4_kernels<StableNeoHookean, InstructionSet::avx2>();
 
 template AddBlocks make_add_blocks<InstructionSet::avx2>();
 

@@ -47,8 +47,8 @@ Tet4Packs pack_tetrahedra(const Mesh &mesh) {
 InstructionSet chosen_instruction_set() {
   static const InstructionSet chosen = [] {
     const char *wish = std::getenv("TREFOIL_SIMD");
-    for (const auto &[set, name] : {std::pair{InstructionSet::avx512, "avx512"},
-                                    std::pair{InstructionSet::avx2, "avx2"}}) {
+    for (const auto &[set, name] :
+         {std::pair{InstructionSet::avx512, "avx512"}, std::pair{InstructionSet::avx2, "avx2"}}) {
       if (processor_has(set) && (!wish || std::strcmp(wish, name) == 0)) return set;
     }
     return InstructionSet::baseline;

@@ -23,8 +23,8 @@ struct Mesh;
 /// The last pack is filled up with copies of the last element that have no volume.
 struct Tet4Packs {
   PetscInt elements = 0;
-  std::vector<double> gradients;  ///< packs x 9 x 8: G_k[i] at row 3 k + i, 1/length
-  std::vector<double> volumes;    ///< packs x 8: rest volumes
+  std::vector<double> gradients;   ///< packs x 9 x 8: G_k[i] at row 3 k + i, 1/length
+  std::vector<double> volumes;     ///< packs x 8: rest volumes
   std::vector<PetscInt> vertices;  ///< packs x 4 x 8: local vertex numbers
 
   [[nodiscard]] PetscInt packs() const { return (elements + lanes - 1) / lanes; }
@@ -69,8 +69,8 @@ struct Tet4Kernels {
   void (*forces)(const M &material, const Tet4Packs &tets, PetscInt first, PetscInt count,
                  const double *u, double *forces);
   /// Reduced Hessians, lower triangles: K[(45 * pack + entry) * 8 + lane], pack from 0.
-  void (*reduced_hessians)(const M &material, const Tet4Packs &tets, PetscInt first,
-                           PetscInt count, const double *u, double *K);
+  void (*reduced_hessians)(const M &material, const Tet4Packs &tets, PetscInt first, PetscInt count,
+                           const double *u, double *K);
 };
 
 /// The kernels for the best instruction set of this machine (or for the one that the environment

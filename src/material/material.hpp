@@ -25,7 +25,7 @@ template <class M>
 concept Material = requires(const M &material, const Matrix3<double> &F, Tangent<double> &tangent) {
   { material.energy_density(F) } -> std::same_as<double>;
   { material.stress(F) } -> std::same_as<Matrix3<double>>;
-  { material.tangent(F, tangent) };
+  {material.tangent(F, tangent)};
 };
 
 }  // namespace trefoil

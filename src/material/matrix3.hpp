@@ -11,7 +11,9 @@ struct Matrix3 {
   std::array<Real, 9> entries{};
 
   Real &operator()(int i, int j) { return entries[static_cast<std::size_t>(3 * i + j)]; }
-  const Real &operator()(int i, int j) const { return entries[static_cast<std::size_t>(3 * i + j)]; }
+  const Real &operator()(int i, int j) const {
+    return entries[static_cast<std::size_t>(3 * i + j)];
+  }
 };
 
 /// The cofactor matrix, d det(F) / dF.

@@ -142,8 +142,8 @@ PetscErrorCode count_totals(MPI_Comm comm, Mesh *mesh) {
   PetscMPIInt ranks = 0;
   PetscFunctionBeginUser;
   PetscCallMPI(MPI_Comm_size(comm, &ranks));
-  PetscInt mine[2] = {mesh->local_cells(), static_cast<PetscInt>(std::count(
-                                               mesh->owned.begin(), mesh->owned.end(), 1))};
+  PetscInt mine[2] = {mesh->local_cells(),
+                      static_cast<PetscInt>(std::count(mesh->owned.begin(), mesh->owned.end(), 1))};
   PetscInt totals[2] = {0, 0}, largest = 0;
   PetscCallMPI(MPI_Allreduce(mine, totals, 2, MPIU_INT, MPI_SUM, comm));
   PetscCallMPI(MPI_Allreduce(mine, &largest, 1, MPIU_INT, MPI_MAX, comm));
@@ -155,8 +155,8 @@ PetscErrorCode count_totals(MPI_Comm comm, Mesh *mesh) {
 
 }  // namespace
 
-PetscErrorCode distribute_mesh(MPI_Comm comm, const CellList &whole,
-                               const std::string &partitioner, PetscInt refine, Mesh *mesh) {
+PetscErrorCode distribute_mesh(MPI_Comm comm, const CellList &whole, const std::string &partitioner,
+                               PetscInt refine, Mesh *mesh) {
   Partition partition;
   Share share;
   PetscFunctionBeginUser;

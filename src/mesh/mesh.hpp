@@ -19,16 +19,16 @@ struct Mesh {
   ~Mesh();
 
   DM dm = nullptr;
-  PetscInt first_vertex = 0;         ///< DMPlex point of local vertex 0
-  std::vector<PetscInt> cells;       ///< local cells x 4, local vertex numbers
-  std::vector<double> coordinates;   ///< local vertices (ghosts included) x 3, rest positions
+  PetscInt first_vertex = 0;            ///< DMPlex point of local vertex 0
+  std::vector<PetscInt> cells;          ///< local cells x 4, local vertex numbers
+  std::vector<double> coordinates;      ///< local vertices (ghosts included) x 3, rest positions
   std::vector<PetscInt> global_vertex;  ///< of each local vertex; ranks own consecutive ranges
-  std::vector<char> owned;           ///< of each local vertex: this rank owns it
+  std::vector<char> owned;              ///< of each local vertex: this rank owns it
   std::array<double, 3> box_min{}, box_max{};  ///< of the whole mesh
 
   PetscInt total_cells = 0, total_vertices = 0;
-  PetscInt edge_cut = 0;    ///< faces between cells of different ranks
-  double imbalance = 1;     ///< largest part over the mean part, in cells
+  PetscInt edge_cut = 0;  ///< faces between cells of different ranks
+  double imbalance = 1;   ///< largest part over the mean part, in cells
 
   [[nodiscard]] PetscInt local_cells() const { return static_cast<PetscInt>(cells.size()) / 4; }
   [[nodiscard]] PetscInt local_vertices() const {
@@ -48,15 +48,15 @@ struct Partition {
 /// @param partitioner "metis", or the name of one of PETSc's partitioners, for example "ptscotch"
 /// @param whole the mesh, on the first rank; ignored on the others
 /// Collective. An unknown partitioner or more parts than cells is an error on all ranks.
-PetscErrorCode partition_cells(MPI_Comm comm, const CellList &whole,
-                               const std::string &partitioner, Partition *partition);
+PetscErrorCode partition_cells(MPI_Comm comm, const CellList &whole, const std::string &partitioner,
+                               Partition *partition);
 
 /// Sends each rank its cells and builds the distributed DMPlex from them: partitioned before it is
 /// made, and never interpolated, which is 10 to 40 times cheaper than the other way round.
 /// Then refines it uniformly `refine` times (8 cells from one).
 /// Collective; `whole` matters on the first rank only.
-PetscErrorCode distribute_mesh(MPI_Comm comm, const CellList &whole,
-                               const std::string &partitioner, PetscInt refine, Mesh *mesh);
+PetscErrorCode distribute_mesh(MPI_Comm comm, const CellList &whole, const std::string &partitioner,
+                               PetscInt refine, Mesh *mesh);
 
 /// Numbers the connected components of the mesh from 0: one number for each local vertex.
 /// Collective.

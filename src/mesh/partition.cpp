@@ -111,8 +111,8 @@ PetscErrorCode petsc_parts(MPI_Comm comm, const std::string &name, const DualGra
 
 }  // namespace
 
-PetscErrorCode partition_cells(MPI_Comm comm, const CellList &whole,
-                               const std::string &partitioner, Partition *partition) {
+PetscErrorCode partition_cells(MPI_Comm comm, const CellList &whole, const std::string &partitioner,
+                               Partition *partition) {
   PetscMPIInt rank = 0, ranks = 0;
   PetscFunctionBeginUser;
   PetscCallMPI(MPI_Comm_rank(comm, &rank));

@@ -67,17 +67,16 @@ PetscErrorCode print_summary(MPI_Comm comm, const std::string &json) {
   const auto number = [](const Json &value) {
     return value.is_number() ? value.get<double>() : std::nan("");
   };
-  PetscCall(PetscPrintf(
-      comm, "%s in %d iterations, %d line-search trials: %s\n",
-      result["converged"].get<bool>() ? "converged" : "NOT CONVERGED",
-      result["iterations"].get<int>(), result["line_search_trials"].get<int>(),
-      result["reason"].get<std::string>().c_str()));
+  PetscCall(PetscPrintf(comm, "%s in %d iterations, %d line-search trials: %s\n",
+                        result["converged"].get<bool>() ? "converged" : "NOT CONVERGED",
+                        result["iterations"].get<int>(), result["line_search_trials"].get<int>(),
+                        result["reason"].get<std::string>().c_str()));
   PetscCall(PetscPrintf(comm, "energy %.14g, gradient norm %.3g, inverted elements %d\n",
                         number(result["energy"]), number(result["gradient_norm"]),
                         result["inverted"].get<int>()));
   PetscCall(PetscPrintf(comm, "seconds %.3g:", number(time["total"])));
-  for (const char *phase : {"read", "setup", "assembly", "filter", "linear_solve", "line_search",
-                            "output", "other"}) {
+  for (const char *phase :
+       {"read", "setup", "assembly", "filter", "linear_solve", "line_search", "output", "other"}) {
     PetscCall(PetscPrintf(comm, " %s %.3g", phase, number(time[phase])));
   }
   PetscCall(PetscPrintf(comm, "\n"));

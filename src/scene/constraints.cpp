@@ -27,7 +27,8 @@ std::string disagreement(const Mesh &mesh, PetscInt v, const std::string &one,
   std::ostringstream text;
   const double *p = &mesh.coordinates[static_cast<std::size_t>(3 * v)];
   text << "constraints '" << one << "' and '" << other << "' move the vertex at rest position ("
-       << p[0] << ", " << p[1] << ", " << p[2] << ") differently in " << "xyz"[component];
+       << p[0] << ", " << p[1] << ", " << p[2] << ") differently in "
+       << "xyz"[component];
   return text.str();
 }
 
@@ -45,7 +46,8 @@ PetscInt hold(const Mesh &mesh, const std::vector<ConstraintOptions> &constraint
     const double *position = &mesh.coordinates[static_cast<std::size_t>(3 * v)];
     const double chosen = where.evaluate(position, time, 1)[0];
     if (Expression::is_free(chosen)) {
-      throw InputError(option + "_where: 'free' is for displacements, not for a choice of vertices");
+      throw InputError(option +
+                       "_where: 'free' is for displacements, not for a choice of vertices");
     }
     if (chosen == 0) continue;
     taken += mesh.owned[static_cast<std::size_t>(v)];
@@ -87,8 +89,8 @@ PetscErrorCode hold_vertices(const Mesh &mesh, const std::vector<ConstraintOptio
                "constraint '%s' catches no vertex: -constraint_%s_where is '%s' and the mesh spans "
                "[%g, %g] x [%g, %g] x [%g, %g]",
                constraint.name.c_str(), constraint.name.c_str(), constraint.where.c_str(),
-               mesh.box_min[0], mesh.box_max[0], mesh.box_min[1], mesh.box_max[1],
-               mesh.box_min[2], mesh.box_max[2]);
+               mesh.box_min[0], mesh.box_max[0], mesh.box_min[1], mesh.box_max[1], mesh.box_min[2],
+               mesh.box_max[2]);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

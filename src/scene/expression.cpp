@@ -86,6 +86,8 @@ std::vector<double> Expression::evaluate(const double *position, double time,
   return {values, values + found};
 }
 
-bool Expression::is_free(double value) { return value == free_value; }
+bool Expression::is_free(double value) {
+  return value == free_value;
+}
 
 }  // namespace trefoil

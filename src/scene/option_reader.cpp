@@ -44,8 +44,8 @@ PetscErrorCode OptionReader::find(const std::string &name, const std::string &he
   PetscCall(PetscOptionsFindPair(nullptr, nullptr, ("-" + name).c_str(), value, &set));
   *found = set == PETSC_TRUE;
   if (help_) {
-    PetscCall(PetscPrintf(comm_, "  -%s: <%s> %s\n", name.c_str(), default_text.c_str(),
-                          help.c_str()));
+    PetscCall(
+        PetscPrintf(comm_, "  -%s: <%s> %s\n", name.c_str(), default_text.c_str(), help.c_str()));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -101,9 +101,8 @@ PetscErrorCode OptionReader::flag(const std::string &name, const std::string &he
   PetscCall(find(name, help, *value ? "true" : "false", &given, &found));
   if (!found) PetscFunctionReturn(PETSC_SUCCESS);
   std::string word = given ? given : "";
-  std::transform(word.begin(), word.end(), word.begin(), [](unsigned char letter) {
-    return static_cast<char>(std::tolower(letter));
-  });
+  std::transform(word.begin(), word.end(), word.begin(),
+                 [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
   const bool yes = word.empty() || word == "true" || word == "yes" || word == "1" || word == "on";
   const bool no = word == "false" || word == "no" || word == "0" || word == "off";
   PetscCheck(yes || no, comm_, PETSC_ERR_USER_INPUT, "-%s is '%s', which is neither true nor false",

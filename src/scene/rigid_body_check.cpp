@@ -1,4 +1,6 @@
 #include <petscsys.h>
+
+// PETSc's names for LAPACK need the types of the header above.
 #include <petscblaslapack.h>
 
 #include <algorithm>
@@ -69,8 +71,7 @@ PetscErrorCode check_rigid_body_modes(const Mesh &mesh, const HeldDofs &held) {
   int free_modes = 0;
   for (PetscInt p = 0; p < parts; ++p) {
     int dimension = 0;
-    PetscCall(null_space_dimension(&gram[static_cast<std::size_t>(p) * modes * modes],
-                                   &dimension));
+    PetscCall(null_space_dimension(&gram[static_cast<std::size_t>(p) * modes * modes], &dimension));
     if (dimension > 0 && loose_parts++ == 0) free_modes = dimension;
   }
   const std::string whose = parts == 1 ? "the body"

@@ -61,8 +61,8 @@ PetscErrorCode load_mesh(MPI_Comm comm, const SceneOptions &options, Mesh *mesh)
                           dropped));
   }
   if (unused) {
-    PetscCall(PetscPrintf(comm, "dropped %" PetscInt_FMT " vertices that no tetrahedron uses\n",
-                          unused));
+    PetscCall(
+        PetscPrintf(comm, "dropped %" PetscInt_FMT " vertices that no tetrahedron uses\n", unused));
   }
   // A generated mesh was refined where it was generated, true to its curved boundary.
   const PetscInt refine = options.mesh_file.empty() ? 0 : options.refine;
@@ -107,8 +107,9 @@ PetscErrorCode build_scene(MPI_Comm comm, const SceneOptions &options, Scene *sc
   PetscCheck(scene->discretization.total_dofs() > 0, comm, PETSC_ERR_USER_INPUT,
              "the constraints hold every vertex; nothing is left to solve for");
   if (scene->discretization.block_size() == 1) {
-    PetscCall(PetscPrintf(comm, "some vertices are held in single components: matrix block size "
-                                "1, with which algebraic multigrid is slower\n"));
+    PetscCall(PetscPrintf(comm,
+                          "some vertices are held in single components: matrix block size "
+                          "1, with which algebraic multigrid is slower\n"));
   }
   scene->functional = std::make_unique<EnergyFunctional>(scene->discretization);
   scene->functional->add_term(make_elastic_term(options, scene->mesh));

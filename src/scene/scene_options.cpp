@@ -140,18 +140,18 @@ PetscErrorCode read_scene_options(MPI_Comm comm, SceneOptions *options) {
                         "physical: E and nu of small strains; raw: the paper's constants",
                         &options->lame));
   PetscCall(read_constraints(comm, reader, options));
-  PetscCall(reader.text("initial", "Start: rest, prescribed vertices already moved",
-                        &options->initial));
+  PetscCall(
+      reader.text("initial", "Start: rest, prescribed vertices already moved", &options->initial));
   PetscCall(reader.integer("order", "Polynomial order of the elements", &options->order));
   PetscCall(reader.text("assembly",
                         "split: H and N at once, in batches; plain: the same by LAPACK and "
                         "MatSetValues; hook: as a code that knows nothing of Trefoil",
                         &options->assembly));
-  PetscCall(reader.text("output_file", "Result for ParaView, an .xdmf file",
-                        &options->output_file));
+  PetscCall(
+      reader.text("output_file", "Result for ParaView, an .xdmf file", &options->output_file));
   PetscCall(reader.text("snes_trefoil_record", "JSON record of the run", &options->record_file));
-  PetscCall(reader.refuse_unknown({"mesh_", "material_", "constraint", "initial", "order", "assembly",
-                                   "output_"}));
+  PetscCall(reader.refuse_unknown(
+      {"mesh_", "material_", "constraint", "initial", "order", "assembly", "output_"}));
   PetscCall(check_values(comm, *options));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -19,7 +19,8 @@ PetscErrorCode jacobian_may_be_indefinite(bool *may) {
   std::array<char, 256> type{"trefoil"}, filter{"adaptive"};
   PetscReal weight = 1;
   PetscFunctionBeginUser;
-  PetscCall(PetscOptionsGetString(nullptr, nullptr, "-snes_type", type.data(), type.size(), nullptr));
+  PetscCall(
+      PetscOptionsGetString(nullptr, nullptr, "-snes_type", type.data(), type.size(), nullptr));
   PetscCall(PetscOptionsGetString(nullptr, nullptr, "-snes_linesearch_type", type.data(),
                                   type.size(), nullptr));
   PetscCall(PetscOptionsGetString(nullptr, nullptr, "-snes_trefoil_filter", filter.data(),
@@ -50,8 +51,8 @@ PetscErrorCode set_default_linear_solver(SNES snes) {
     // Reused coarse spaces of the last Jacobian make the second one look indefinite (PETSc 3.18).
     if (!multigrid_option_set) {
       std::array<char, 64> type{};
-      PetscCall(PetscOptionsGetString(nullptr, nullptr, "-pc_type", type.data(), type.size(),
-                                      nullptr));
+      PetscCall(
+          PetscOptionsGetString(nullptr, nullptr, "-pc_type", type.data(), type.size(), nullptr));
       if (std::string(type.data()) == PCGAMG) {
         PetscCall(PetscOptionsSetValue(nullptr, "-pc_gamg_reuse_interpolation", "false"));
       }
@@ -145,8 +146,8 @@ PetscErrorCode solve_scene(Scene &scene, SolveOutcome *outcome) {
   PetscCall(SNESSetFromOptions(snes));
   PetscCall(check_solver(snes));
   PetscCall(get_solve_context(snes, &context));
-  PetscCall(set_options(*context));       // also where another type of SNES does not read them
-  context->options.record_file.clear();   // the program writes it, completed
+  PetscCall(set_options(*context));      // also where another type of SNES does not read them
+  context->options.record_file.clear();  // the program writes it, completed
 
   PetscCall(scene.functional->energy_at_rest(&outcome->energy_rest));
   PetscCall(scene.functional->count_inverted(scene.displacement, &outcome->inverted_at_start));

@@ -134,7 +134,7 @@ PetscErrorCode compute_filtered_jacobian(SNES snes, Vec x, Mat J, Mat H, void *c
   } else {
     PetscCall(watch_host_jacobian(context, x, J, H, filtered, &counts, &filter_seconds));
   }
-  current.indefinite = !filtered ? IterationRecord::none
+  current.indefinite = !filtered         ? IterationRecord::none
                        : counts.elements ? static_cast<double>(counts.indefinite) /
                                                static_cast<double>(counts.elements)
                                          : 0;

@@ -64,8 +64,8 @@ PetscErrorCode evaluate_trial(SolveContext &context, Line &line, double step, bo
     if (!std::isfinite(line.trial_slope)) {
       change = line.trial_slope;
     } else if (!line.lifted) {
-      PetscCall(integrate_slope(context, line, 0, step, line.slope, line.trial_slope,
-                                most_halvings, &change));
+      PetscCall(integrate_slope(context, line, 0, step, line.slope, line.trial_slope, most_halvings,
+                                &change));
     }
     line.trial_energy = line.energy + change;
   }

@@ -10,7 +10,7 @@ namespace trefoil {
 struct Line {
   Vec solution = nullptr;  ///< the SNES's own, which a host's callbacks may overwrite meanwhile
   Vec x = nullptr;         ///< a copy of it that they do not know
-  Vec residual = nullptr, minus_d = nullptr;  ///< residual = g(x)
+  Vec residual = nullptr, minus_d = nullptr;      ///< residual = g(x)
   Vec trial = nullptr, trial_residual = nullptr;  ///< x + s d and, once known, g there
   Vec point = nullptr, point_residual = nullptr;  ///< work: other points of the line
   bool has_objective = false;
@@ -37,5 +37,10 @@ PetscErrorCode energy_change(SolveContext &context, Line &line, double predicted
 /// Whether the direction still moves unknowns whose rows of H are but a diagonal: Dirichlet values
 /// that a host enforces by the first step. Collective.
 PetscErrorCode moves_boundary_values(Mat H, Vec direction, bool *moves);
+
+/// Whether the direction may be searched along: finite, descending, and not from an indefinite
+/// Hessian. Otherwise the reason to end the solve; the summary says it in words. Collective.
+PetscErrorCode judge_direction(SolveContext &context, const Line &line,
+                               SNESConvergedReason *reason);
 
 }  // namespace trefoil

@@ -84,57 +84,6 @@ PetscErrorCode finish(SolveContext &context, SNESLineSearch search, SNESConverge
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// Factors of a symmetric matrix tell how many eigenvalues are negative; -1 where nobody counted.
-PetscErrorCode negative_pivots(SNES snes, PetscInt *count) {
-  KSP ksp = nullptr;
-  PC pc = nullptr;
-  PetscBool cholesky = PETSC_FALSE;
-  PetscFunctionBeginUser;
-  *count = -1;
-  PetscCall(SNESGetKSP(snes, &ksp));
-  PetscCall(KSPGetPC(ksp, &pc));
-  PetscCall(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(pc), PCCHOLESKY, &cholesky));
-#if defined(PETSC_HAVE_MUMPS)
-  if (cholesky) {
-    Mat factor = nullptr;
-    MatSolverType solver = nullptr;
-    PetscBool mumps = PETSC_FALSE;
-    PetscCall(PCFactorGetMatrix(pc, &factor));
-    PetscCall(MatFactorGetSolverType(factor, &solver));
-    PetscCall(PetscStrcmp(solver, MATSOLVERMUMPS, &mumps));
-    if (mumps) PetscCall(MatMumpsGetInfog(factor, 12, count));
-  }
-#endif
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/// Newton's plain direction from an indefinite Hessian may descend by luck; say what it is instead.
-PetscErrorCode refuse_bad_direction(SolveContext &context, SNESLineSearch search, const Line &line,
-                                    bool *refused) {
-  const double slope = line.slope;
-  PetscInt negative = -1;
-  PetscFunctionBeginUser;
-  *refused = false;
-  if (!std::isfinite(slope) || !std::isfinite(context.current.energy)) {
-    context.summary.reason = "the energy or the direction is not finite";
-    PetscCall(finish(context, search, SNES_DIVERGED_FNORM_NAN));
-    *refused = true;
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  if (context.current.weight < 0.5) PetscCall(negative_pivots(context.snes, &negative));
-  if (negative > 0 || (slope > 0 && !line.lifted)) {
-    context.summary.reason =
-        context.current.weight < 0.5
-            ? "the Hessian is indefinite and the filter leaves it so; filter adaptive, absolute "
-              "or clamp do not"
-            : "the direction ascends: the linear solve is too inexact or the residual is no "
-              "gradient of the objective";
-    PetscCall(finish(context, search, SNES_DIVERGED_LINEAR_SOLVE));
-    *refused = true;
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /// Goes to the accepted trial: x, energy, residual and the norms that SNES asks for.
 PetscErrorCode take_step(SolveContext &context, SNESLineSearch search, Line &line) {
   PetscBool changed_direction = PETSC_FALSE, changed_point = PETSC_FALSE;
@@ -244,7 +193,8 @@ static PetscErrorCode SNESLineSearchApply_Trefoil(SNESLineSearch search) {
   SNES snes = nullptr;
   SolveContext *context = nullptr;
   Line line{};
-  bool refused = false, stop = false;
+  SNESConvergedReason refused = SNES_CONVERGED_ITERATING;
+  bool stop = false;
 
   PetscFunctionBegin;
   PetscCall(SNESLineSearchGetSNES(search, &snes));
@@ -252,8 +202,10 @@ static PetscErrorCode SNESLineSearchApply_Trefoil(SNESLineSearch search) {
   PetscCall(begin_solve(*context));
   PetscCall(PetscLogEventBegin(event_search, search, nullptr, nullptr, nullptr));
   PetscCall(open_line(*context, search, line));
-  PetscCall(refuse_bad_direction(*context, search, line, &refused));
-  if (!refused) {
+  PetscCall(judge_direction(*context, line, &refused));
+  if (refused) {
+    PetscCall(finish(*context, search, refused));
+  } else {
     if (!line.lifted) PetscCall(stop_test(*context, line.x, &stop));
     if (stop) {
       PetscCall(finish(*context, search, SNES_CONVERGED_SNORM_RELATIVE));
@@ -266,8 +218,8 @@ static PetscErrorCode SNESLineSearchApply_Trefoil(SNESLineSearch search) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// SNES calls its monitors before each Jacobian: the place to see to it that ours is the one that is
-/// called, whatever the host has set since.
+/// SNES calls its monitors before each Jacobian: the place to see to it that ours is the one that
+/// is called, whatever the host has set since.
 static PetscErrorCode before_jacobian(SNES, PetscInt, PetscReal, void *context) {
   PetscFunctionBegin;
   PetscCall(install_jacobian(*static_cast<SolveContext *>(context)));
@@ -299,7 +251,8 @@ static PetscErrorCode SNESLineSearchView_Trefoil(SNESLineSearch search, PetscVie
   SolveContext *context = nullptr;
   PetscBool ascii = PETSC_FALSE;
   PetscFunctionBegin;
-  PetscCall(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(viewer), PETSCVIEWERASCII, &ascii));
+  PetscCall(
+      PetscObjectTypeCompare(reinterpret_cast<PetscObject>(viewer), PETSCVIEWERASCII, &ascii));
   PetscCall(SNESLineSearchGetSNES(search, &snes));
   PetscCall(get_solve_context(snes, &context));
   if (ascii) PetscCall(view_options(*context, viewer));

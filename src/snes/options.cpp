@@ -12,8 +12,8 @@ namespace {
 
 // Every option of ours; what is not here is misspelt.
 constexpr std::array<const char *, 10> known_options{
-    "filter",           "rho_tolerance", "weight",  "search", "decrement_tolerance",
-    "energy_tolerance", "monitor",       "record",  "strict", "fields"};
+    "filter",           "rho_tolerance", "weight", "search", "decrement_tolerance",
+    "energy_tolerance", "monitor",       "record", "strict", "fields"};
 
 std::string join(const std::vector<std::string> &words) {
   std::ostringstream text;
@@ -65,7 +65,8 @@ PetscErrorCode check_values(const SolverOptions &options, MPI_Comm comm) {
   PetscCheck(options.rule.weight >= 0, comm, PETSC_ERR_USER_INPUT,
              "-snes_trefoil_weight is %g and must not be negative", options.rule.weight);
   PetscCheck(options.decrement_tolerance >= 0 && options.energy_tolerance >= 0, comm,
-             PETSC_ERR_USER_INPUT, "the tolerances -snes_trefoil_decrement_tolerance (%g) and "
+             PETSC_ERR_USER_INPUT,
+             "the tolerances -snes_trefoil_decrement_tolerance (%g) and "
              "-snes_trefoil_energy_tolerance (%g) must not be negative",
              options.decrement_tolerance, options.energy_tolerance);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -106,16 +107,17 @@ PetscErrorCode set_options(SolveContext &context) {
   PetscCall(PetscOptionsString("-snes_trefoil_search", "Search along the direction: armijo", "",
                                options.search.c_str(), search.data(), search.size(), &found));
   if (found) options.search = search.data();
-  PetscCall(PetscOptionsReal("-snes_trefoil_decrement_tolerance",
-                             "Stop when the Newton decrement |g'd|/2 is below (energy units, 0 off)",
-                             "", decrement, &decrement, nullptr));
+  PetscCall(
+      PetscOptionsReal("-snes_trefoil_decrement_tolerance",
+                       "Stop when the Newton decrement |g'd|/2 is below (energy units, 0 off)", "",
+                       decrement, &decrement, nullptr));
   PetscCall(PetscOptionsReal("-snes_trefoil_energy_tolerance",
                              "Stop when the decrement over the energy scale is below "
                              "(dimensionless, 0 off; off where decrement_tolerance is set)",
                              "", energy, &energy, &found));
   options.energy_tolerance_set = options.energy_tolerance_set || found;
-  PetscCall(PetscOptionsReal("-snes_linesearch_shrink", "Factor from a step length to the next",
-                             "", shrink, &shrink, nullptr));
+  PetscCall(PetscOptionsReal("-snes_linesearch_shrink", "Factor from a step length to the next", "",
+                             shrink, &shrink, nullptr));
   PetscCall(PetscOptionsReal("-snes_linesearch_armijo", "Share of the predicted decrease to reach",
                              "", armijo, &armijo, nullptr));
   PetscCall(PetscOptionsBool("-snes_trefoil_monitor", "One line an iteration", "", monitor,
@@ -161,11 +163,10 @@ PetscErrorCode view_options(const SolveContext &context, PetscViewer viewer) {
                                    tuning.str().c_str()));
   PetscCall(PetscViewerASCIIPrintf(viewer, "  search: %s, shrink %g, armijo %g\n",
                                    options.search.c_str(), options.shrink, options.armijo));
-  PetscCall(PetscViewerASCIIPrintf(viewer, "  decrement tolerance: %g, energy tolerance: %g%s\n",
-                                   options.decrement_tolerance, options.energy_tolerance,
-                                   options.decrement_tolerance > 0 && !options.energy_tolerance_set
-                                       ? " (off)"
-                                       : ""));
+  PetscCall(PetscViewerASCIIPrintf(
+      viewer, "  decrement tolerance: %g, energy tolerance: %g%s\n", options.decrement_tolerance,
+      options.energy_tolerance,
+      options.decrement_tolerance > 0 && !options.energy_tolerance_set ? " (off)" : ""));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -14,7 +14,9 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 /// JSON has no NaN and no infinity; null says "does not apply" or "not finite".
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+Json number(double value) {
+  return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
 
 Json iteration_json(const IterationRecord &entry) {
   return {{"k", entry.k},
@@ -58,7 +60,8 @@ PetscErrorCode options_json(SNES snes, Json *options) {
 
 /// Seconds by phase, the maximum over the ranks. Filter and assembly are one phase to the ranks
 /// that wait for each other, so assembly is the maximum of both together less the filter's. Where
-/// ranks wait in different phases the maxima would add up to more than the whole: then they share it.
+/// ranks wait in different phases the maxima would add up to more than the whole: then they share
+/// it.
 PetscErrorCode time_json(const SolveContext &context, MPI_Comm comm, Json *time) {
   const PhaseClock &clock = context.clock;
   const double filter = clock.seconds(Phase::filter);
@@ -142,18 +145,19 @@ Json result_json(const SolveContext &context) {
   int trials = 0;
   for (const IterationRecord &entry : history) trials += entry.trials;
   const IterationRecord last = history.empty() ? IterationRecord{} : history.back();
-  return {{"converged", context.summary.converged},
-          {"reason", context.summary.reason},
-          {"iterations", context.summary.linear_solves},
-          {"linear_solves", context.summary.linear_solves},
-          {"line_search_trials", trials},
-          {"energy_start", number(history.empty() ? IterationRecord::none : history.front().energy)},
-          {"energy", number(last.energy)},
-          {"energy_rest", nullptr},
-          {"energy_scale", number(context.summary.energy_scale)},
-          {"gradient_norm", number(last.gradient_norm)},
-          {"newton_decrement", number(last.decrement)},
-          {"inverted", nullptr}};
+  return {
+      {"converged", context.summary.converged},
+      {"reason", context.summary.reason},
+      {"iterations", context.summary.linear_solves},
+      {"linear_solves", context.summary.linear_solves},
+      {"line_search_trials", trials},
+      {"energy_start", number(history.empty() ? IterationRecord::none : history.front().energy)},
+      {"energy", number(last.energy)},
+      {"energy_rest", nullptr},
+      {"energy_scale", number(context.summary.energy_scale)},
+      {"gradient_norm", number(last.gradient_norm)},
+      {"newton_decrement", number(last.decrement)},
+      {"inverted", nullptr}};
 }
 
 /// After the last step, where PETSc's own tests ended the solve, the history still lacks the state

@@ -42,6 +42,8 @@ bool register_rule(const std::string &name, RuleFactory factory) {
   return true;
 }
 
-void forget_registered_rules() { registry() = own_rules; }
+void forget_registered_rules() {
+  registry() = own_rules;
+}
 
 }  // namespace trefoil

@@ -19,8 +19,8 @@ PetscErrorCode SNESSetUp_Trefoil(SNES snes) {
   const char *type = nullptr;
   PetscFunctionBegin;
   PetscCall(SNESGetLineSearch(snes, &search));
-  PetscCall(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(search), SNESLINESEARCHTREFOIL,
-                                   &ours));
+  PetscCall(
+      PetscObjectTypeCompare(reinterpret_cast<PetscObject>(search), SNESLINESEARCHTREFOIL, &ours));
   PetscCall(SNESLineSearchGetType(search, &type));
   PetscCheck(ours, PetscObjectComm(reinterpret_cast<PetscObject>(snes)), PETSC_ERR_USER_INPUT,
              "-snes_type trefoil has its own line search and cannot use '%s'; for another line "

@@ -20,21 +20,21 @@ struct SolverOptions {
   std::string filter = "adaptive";
   RuleParameters rule;
   std::string search = "armijo";
-  double decrement_tolerance = 0;   ///< energy units; 0: off
-  double energy_tolerance = 1e-8;   ///< predicted decrease over energy scale; 0: off
+  double decrement_tolerance = 0;     ///< energy units; 0: off
+  double energy_tolerance = 1e-8;     ///< predicted decrease over energy scale; 0: off
   bool energy_tolerance_set = false;  ///< by the user, so decrement_tolerance does not turn it off
   double shrink = 0.8;
   double armijo = 1e-8;
   bool monitor = false;
-  std::string record_file;          ///< empty: no record
-  bool strict = true;               ///< a Jacobian that cannot be filtered is an error
-  std::string fields;               ///< names of the fields to filter; empty: all
+  std::string record_file;  ///< empty: no record
+  bool strict = true;       ///< a Jacobian that cannot be filtered is an error
+  std::string fields;       ///< names of the fields to filter; empty: all
 };
 
 /// What is known of a finished or running solve besides its iterations.
 struct SolveSummary {
   bool converged = false;
-  std::string reason;      ///< one phrase for people
+  std::string reason;  ///< one phrase for people
   double energy_scale = IterationRecord::none;
   int linear_solves = 0;
 };
@@ -45,8 +45,8 @@ struct SolveContext {
   SolverOptions options;
   std::unique_ptr<Rule> rule;
 
-  Mat negative = nullptr;  ///< N, created when the first element is indefinite
-  bool negative_present = false;  ///< N is part of the present Jacobian, H + 2 w N
+  Mat negative = nullptr;                 ///< N, created when the first element is indefinite
+  bool negative_present = false;          ///< N is part of the present Jacobian, H + 2 w N
   PetscObjectState negative_pattern = 0;  ///< H's nonzero pattern that N was last added to
   bool negative_pattern_known = false;
   TrefoilSplitJacobianFunction split_jacobian = nullptr;
@@ -63,13 +63,13 @@ struct SolveContext {
   TrefoilEnergyScaleFunction energy_scale = nullptr;
   void *energy_scale_context = nullptr;
 
-  bool running = false;     ///< between the start of a solve and its end
-  bool driven = false;      ///< by our line search; otherwise the Jacobian stays unfiltered
+  bool running = false;  ///< between the start of a solve and its end
+  bool driven = false;   ///< by our line search; otherwise the Jacobian stays unfiltered
   PhaseClock clock;
   IterationRecord current;  ///< the iteration under way
   std::vector<IterationRecord> history;
   SolveSummary summary;
-  std::string record;       ///< JSON of the last finished solve
+  std::string record;  ///< JSON of the last finished solve
 
   /// Dirichlet values of a host may not be met yet: true at a solve's start, false once they are.
   bool boundary_values_open = false;

@@ -47,7 +47,8 @@ PetscErrorCode stop_test(SolveContext &context, Vec x, bool *stop) {
     PetscCall(scale_of_energy(context, x, &scale));
     context.summary.energy_scale = scale;
     *stop = decrement <= options.energy_tolerance * scale;
-    if (*stop) context.summary.reason = "predicted energy decrease below -snes_trefoil_energy_tolerance";
+    if (*stop)
+      context.summary.reason = "predicted energy decrease below -snes_trefoil_energy_tolerance";
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

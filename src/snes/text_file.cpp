@@ -37,8 +37,8 @@ PetscErrorCode write(MPI_Comm comm, const std::string &path, const std::string &
     std::snprintf(problem, sizeof problem, "%s", found.c_str());
   }
   PetscCallMPI(MPI_Bcast(problem, sizeof problem, MPI_CHAR, 0, comm));
-  PetscCheck(!problem[0], comm, PETSC_ERR_FILE_OPEN, "cannot write the file '%s': %s",
-             path.c_str(), problem);
+  PetscCheck(!problem[0], comm, PETSC_ERR_FILE_OPEN, "cannot write the file '%s': %s", path.c_str(),
+             problem);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -41,11 +41,10 @@ class UserRule final : public Rule {
 PetscErrorCode TrefoilRuleRegister(const char name[], TrefoilRuleFunction function, void *ctx) {
   PetscFunctionBegin;
   PetscCall(TrefoilInitializePackage());
-  const bool added =
-      trefoil::register_rule(name, [function, ctx](const trefoil::RuleParameters &parameters) {
-        return std::make_unique<trefoil::UserRule>(static_cast<SNES>(parameters.solver), function,
-                                                   ctx);
-      });
+  const bool added = trefoil::register_rule(name, [function,
+                                                   ctx](const trefoil::RuleParameters &parameters) {
+    return std::make_unique<trefoil::UserRule>(static_cast<SNES>(parameters.solver), function, ctx);
+  });
   PetscCheck(added, PETSC_COMM_SELF, PETSC_ERR_ARG_WRONG, "there is a rule '%s' already", name);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -38,8 +38,7 @@ class ElasticTerm final : public Term {
 
   [[nodiscard]] const Tet4Packs *packs() const override { return &packs_; }
 
-  void reduced_hessians(PetscInt first, PetscInt count, const double *u,
-                        double *K) const override {
+  void reduced_hessians(PetscInt first, PetscInt count, const double *u, double *K) const override {
     kernels_.reduced_hessians(material_, packs_, first, count, u, K);
   }
 
@@ -69,9 +68,7 @@ class ElasticTerm final : public Term {
     });
   }
 
-  [[nodiscard]] double bytes() const override {
-    return packs_.bytes();
-  }
+  [[nodiscard]] double bytes() const override { return packs_.bytes(); }
 
  private:
   /// Local number of component i of corner a of cell c.

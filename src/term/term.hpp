@@ -19,8 +19,8 @@ class ElementHessianSink {
 
 /// Sums over one rank's elements.
 struct EnergySums {
-  double energy = 0;  ///< sum of psi V
-  double scale = 0;   ///< sum of |psi - psi(I)| V, or the work of a load: free of rest offsets
+  double energy = 0;     ///< sum of psi V
+  double scale = 0;      ///< sum of |psi - psi(I)| V, or the work of a load: free of rest offsets
   double stiffness = 0;  ///< energy of a strain of order one: what rounding is small against
 };
 

@@ -57,7 +57,8 @@ void deform(const Mesh &mesh, std::vector<double> *u) {
 PetscErrorCode benchmark(double poisson, PetscInt resolution) {
   Mesh mesh;
   PetscFunctionBeginUser;
-  PetscCall(distribute_mesh(PETSC_COMM_WORLD, generate_mesh("knot", resolution, 0), "metis", 0, &mesh));
+  PetscCall(
+      distribute_mesh(PETSC_COMM_WORLD, generate_mesh("knot", resolution, 0), "metis", 0, &mesh));
   HeldDofs held{std::vector<char>(mesh.coordinates.size(), 0),
                 std::vector<double>(mesh.coordinates.size(), 0)};
   for (std::size_t v = 0; 3 * v < mesh.coordinates.size(); ++v) {
@@ -91,39 +92,75 @@ PetscErrorCode benchmark(double poisson, PetscInt resolution) {
               static_cast<int>(elements), poisson, 100.0 * result.indefinite / elements,
               static_cast<int>(chosen_instruction_set()));
   const auto ok = static_cast<PetscErrorCode>(0);
-  print_part("energy", seconds([&] { term.add_energy(u.data(), &sums); return ok; }, 5), elements);
-  print_part("forces", seconds([&] { term.add_gradient(u.data(), forces.data()); return ok; }, 5),
+  print_part("energy",
+             seconds(
+                 [&] {
+                   term.add_energy(u.data(), &sums);
+                   return ok;
+                 },
+                 5),
              elements);
-  print_part("reduced Hessians", seconds([&] {
-               term.reduced_hessians(0, packs, u.data(), K.data());
-               return ok;
-             }, 5), elements);
-  print_part("negative parts", seconds([&] {
-               static_cast<void>(split_reduced(static_cast<int>(packs), K.data(), N.data(), negative.data()));
-               return ok;
-             }, 5), elements);
+  print_part("forces",
+             seconds(
+                 [&] {
+                   term.add_gradient(u.data(), forces.data());
+                   return ok;
+                 },
+                 5),
+             elements);
+  print_part("reduced Hessians",
+             seconds(
+                 [&] {
+                   term.reduced_hessians(0, packs, u.data(), K.data());
+                   return ok;
+                 },
+                 5),
+             elements);
+  print_part("negative parts",
+             seconds(
+                 [&] {
+                   static_cast<void>(
+                       split_reduced(static_cast<int>(packs), K.data(), N.data(), negative.data()));
+                   return ok;
+                 },
+                 5),
+             elements);
   DirectAssembly::Target target;
   PetscCall(direct.begin(H, &target));
   const AddBlocks add_blocks = add_blocks_kernel();
-  print_part("adding H", seconds([&] {
-               add_blocks(tets, 0, packs, K.data(), nullptr, direct.places(), target.arrays);
-               return ok;
-             }, 5), elements);
-  print_part("adding N", seconds([&] {
-               add_blocks(tets, 0, packs, N.data(), negative.data(), direct.places(), target.arrays);
-               return ok;
-             }, 5), elements);
+  print_part("adding H",
+             seconds(
+                 [&] {
+                   add_blocks(tets, 0, packs, K.data(), nullptr, direct.places(), target.arrays);
+                   return ok;
+                 },
+                 5),
+             elements);
+  print_part("adding N",
+             seconds(
+                 [&] {
+                   add_blocks(tets, 0, packs, N.data(), negative.data(), direct.places(),
+                              target.arrays);
+                   return ok;
+                 },
+                 5),
+             elements);
   PetscCall(direct.end(&target));
   print_part("zeroing a matrix", seconds([&] { return MatZeroEntries(H); }, 5), elements);
   print_part("H + 2 w N", seconds([&] { return MatAXPY(H, 1, N_matrix, SAME_NONZERO_PATTERN); }, 5),
              elements);
 
   TrefoilSplitStatistics statistics{};
-  const double fast = print_part("energy, forces, H and N: batched", seconds([&] {
-    term.add_energy(u.data(), &sums);
-    term.add_gradient(u.data(), forces.data());
-    return batched.assemble(term, u.data(), H, N_matrix, true, &statistics);
-  }, 5), elements);
+  const double fast =
+      print_part("energy, forces, H and N: batched",
+                 seconds(
+                     [&] {
+                       term.add_energy(u.data(), &sums);
+                       term.add_gradient(u.data(), forces.data());
+                       return batched.assemble(term, u.data(), H, N_matrix, true, &statistics);
+                     },
+                     5),
+                 elements);
   EnergyFunctional plain(discretization);
   plain.add_term(std::make_unique<ElasticTerm<StableNeoHookean>>(mesh, material));
   SNES snes = nullptr;
@@ -140,11 +177,15 @@ PetscErrorCode benchmark(double poisson, PetscInt resolution) {
   PetscCall(VecRestoreArray(local, &value));
   PetscCall(DMLocalToGlobal(mesh.dm, local, INSERT_VALUES, x));
   PetscCall(DMRestoreLocalVector(mesh.dm, &local));
-  const double slow = print_part("energy, forces, H and N: LAPACK and MatSetValues", seconds([&] {
-    PetscCall(plain.energy(x, &sums));
-    PetscCall(plain.gradient(x, g));
-    return plain.hessian(x, H, &N_matrix, &statistics);
-  }, 2), elements);
+  const double slow = print_part("energy, forces, H and N: LAPACK and MatSetValues",
+                                 seconds(
+                                     [&] {
+                                       PetscCall(plain.energy(x, &sums));
+                                       PetscCall(plain.gradient(x, g));
+                                       return plain.hessian(x, H, &N_matrix, &statistics);
+                                     },
+                                     2),
+                                 elements);
   std::printf("  ratio %.1f\n", slow / fast);
   PetscCall(VecDestroy(&x));
   PetscCall(VecDestroy(&g));

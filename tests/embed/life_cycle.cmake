@@ -1,7 +1,8 @@
 # One process that starts and ends PETSc several times, with hosts of every kind; nothing of theirs
 # or ours may be left at an end.
 add_executable(life_cycle ${CMAKE_CURRENT_LIST_DIR}/life_cycle.c)
-target_link_libraries(life_cycle PRIVATE libtrefoil trefoil_options)
+target_link_libraries(life_cycle PRIVATE libtrefoil m)
+target_compile_options(life_cycle PRIVATE -Wall -Wextra -Wno-unused-parameter)
 set_target_properties(life_cycle PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${CMAKE_CURRENT_BINARY_DIR}")
 foreach(ranks 1 2)
   add_test(NAME life_cycle_on_${ranks}

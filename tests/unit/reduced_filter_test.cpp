@@ -87,12 +87,12 @@ Matrix random_symmetric(Random &random) {
   return A;
 }
 
-/// Keeps the entries for which `keep` holds.
+/// Keeps the entries (i, j), i >= j, for which `keep` holds.
 Matrix sparse(Random &random, const std::function<bool(int, int)> &keep) {
   Matrix A = random_symmetric(random);
   for (int i = 0; i < n; ++i) {
-    for (int j = 0; j < n; ++j) {
-      if (!keep(std::max(i, j), std::min(i, j))) A[n * i + j] = 0;
+    for (int j = 0; j <= i; ++j) {
+      if (!keep(i, j)) A[n * i + j] = A[n * j + i] = 0;
     }
   }
   return A;

@@ -116,6 +116,9 @@ inline Matrix element(const Matrix3 &edges, const Matrix3 &F, double poisson) {
       }
     }
   }
+  for (int i = 0; i < n; ++i) {  // symmetric to the last bit
+    for (int j = 0; j < i; ++j) K[n * j + i] = K[n * i + j];
+  }
   return K;
 }
 

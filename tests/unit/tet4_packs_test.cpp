@@ -1,5 +1,5 @@
-// The batched kernels against the plain element, on random, inverted, flat and extreme elements, for
-// every instruction set that this machine has.
+// The batched kernels against the plain element, on random, inverted, flat and extreme elements,
+// for every instruction set that this machine has.
 
 #include <gtest/gtest.h>
 
@@ -157,8 +157,8 @@ TEST_P(Tet4PacksTest, EqualThePlainElement) {
         stiffness = std::max(stiffness, std::abs(plain.hessians[144 * e + k]));
       }
       for (std::size_t k = 0; k < 12; ++k) {
-        reach = std::max({reach, std::abs(heap.u[12 * e + k]),
-                          std::abs(heap.mesh.coordinates[12 * e + k])});
+        reach = std::max(
+            {reach, std::abs(heap.u[12 * e + k]), std::abs(heap.mesh.coordinates[12 * e + k])});
         steepest = std::max(steepest, std::abs(tet.gradients[k / 3][k % 3]));
         force_difference =
             std::max(force_difference, std::abs(forces[12 * e + k] - plain.forces[12 * e + k]));
@@ -198,10 +198,10 @@ TEST_P(Tet4PacksTest, AddsOnlyWhatIsChosen) {
   double *arrays[4] = {sums.data(), nullptr, nullptr, nullptr};
   add_blocks()(tets, 0, 3, K.data(), chosen.data(), places, arrays);
   for (std::size_t e = 0; e < 20; ++e) {
-    const double size = std::abs(*std::max_element(
-        sums.begin() + static_cast<std::ptrdiff_t>(9 * e),
-        sums.begin() + static_cast<std::ptrdiff_t>(9 * e + 9),
-        [](double a, double b) { return std::abs(a) < std::abs(b); }));
+    const double size =
+        std::abs(*std::max_element(sums.begin() + static_cast<std::ptrdiff_t>(9 * e),
+                                   sums.begin() + static_cast<std::ptrdiff_t>(9 * e + 9),
+                                   [](double a, double b) { return std::abs(a) < std::abs(b); }));
     // A rigid translation costs nothing, so all blocks of an element together are zero; chosen
     // elements leave rounding or exact zeros, so look at one block's place only.
     EXPECT_LT(size, 1e-12) << e;
