@@ -1,8 +1,9 @@
 #include <petscksp.h>
 
-#include <cstring>
+#include <cmath>
 
 #include "petsc_compatibility.hpp"
+#include "snes/matrix_operations.hpp"
 #include "snes/solve_context.hpp"
 
 namespace trefoil {
@@ -97,8 +98,11 @@ PetscErrorCode add_negative_part(SolveContext &context, Mat H, bool filtered,
   if (!context.negative_present) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MatGetNonzeroState(H, &pattern));
   const bool same = !context.negative_pattern_known || pattern == context.negative_pattern;
-  PetscCall(MatAXPY(H, 2 * context.current.weight, context.negative,
-                    same ? SAME_NONZERO_PATTERN : DIFFERENT_NONZERO_PATTERN));
+  if (same) {
+    PetscCall(add_multiple(H, 2 * context.current.weight, context.negative));
+  } else {
+    PetscCall(MatAXPY(H, 2 * context.current.weight, context.negative, DIFFERENT_NONZERO_PATTERN));
+  }
   context.negative_pattern = pattern;
   context.negative_pattern_known = true;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -121,8 +125,8 @@ PetscErrorCode compute_filtered_jacobian(SNES snes, Vec x, Mat J, Mat H, void *c
   PetscCall(SNESGetIterationNumber(snes, &iteration));
   current.k = static_cast<int>(iteration);
   current.weight = choose_weight(context);
-  PetscCheck(current.weight >= 0, comm, PETSC_ERR_ARG_OUTOFRANGE,
-             "rule '%s' chose the weight %g, which must not be negative",
+  PetscCheck(current.weight >= 0 && std::isfinite(current.weight), comm, PETSC_ERR_ARG_OUTOFRANGE,
+             "rule '%s' chose the weight %g, which must be finite and not negative",
              context.options.filter.c_str(), current.weight);
   if (!context.driven && context.split_jacobian) PetscCall(record_foreign_iteration(context, x));
   const bool filtered = current.weight != 0;

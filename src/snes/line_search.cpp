@@ -126,6 +126,10 @@ static PetscErrorCode open_line(SolveContext &context, SNESLineSearch search, Li
   PetscFunctionBegin;
   PetscCall(SNESGetObjective(context.snes, &objective, nullptr));
   line.has_objective = objective != nullptr;
+  PetscCheck(context.running && context.driven,
+             PetscObjectComm(reinterpret_cast<PetscObject>(search)), PETSC_ERR_ORDER,
+             "line search trefoil has not seen the Jacobian being made (were the SNES's monitors "
+             "cancelled?): use -snes_type trefoil");
   PetscCall(SNESLineSearchGetVecs(search, &line.solution, &line.residual, &line.minus_d,
                                   &line.trial, &line.trial_residual));
   PetscCall(SNESLineSearchPreCheck(search, line.solution, line.minus_d, &changed));

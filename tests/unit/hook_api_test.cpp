@@ -64,9 +64,6 @@ PetscErrorCode nothing(Mat) {
 
 // As codes do that assemble the Jacobian together with the residual.
 TEST_P(AttachTest, CollectsOutsideOfCallbacks) {
-  if (std::string(GetParam()) == MATSBAIJ && size_of_world() > 1) {
-    GTEST_SKIP() << "MatAXPY() of PETSc 3.18 is wrong for MPISBAIJ";
-  }
   const Elements elements(3, Kind::mixed), others(3, Kind::mixed, 2);
   ElementHost host;
   host.weigh(0.6);
