@@ -65,6 +65,12 @@ bool EnergyFunctional::is_batched() const {
          terms_.front()->packs();
 }
 
+PetscErrorCode EnergyFunctional::prepare(Mat H) {
+  PetscFunctionBeginUser;
+  if (is_batched() && !batched_.ready()) PetscCall(batched_.set_up(discretization_, H));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /// Sets H and N, either of which may be null, from all terms at local displacements u.
 PetscErrorCode EnergyFunctional::assemble(const PetscScalar *u, Mat H, Mat N, bool filtering,
                                           TrefoilSplitStatistics *statistics) const {

@@ -44,6 +44,10 @@ class EnergyFunctional {
     plain,  ///< the same, one element at a time by LAPACK and MatSetValues: the slow reference
     hook    ///< from the plugin's watch on the Mat, as in a code that knows nothing of it
   };
+  /// Finds the places of the elements in matrices like H, once, before the first Hessian; done
+  /// there if not here. Collective.
+  PetscErrorCode prepare(Mat H);
+
   /// Gives SNES the callbacks. Collective; this object must outlive the SNES.
   PetscErrorCode attach(SNES snes, Mat H, Assembly assembly);
 

@@ -17,13 +17,6 @@
 #include <immintrin.h>
 #endif
 
-#ifdef TREFOIL_COUNT_WORK
-long trefoil_evaluations, trefoil_eigenvalues;
-#define TREFOIL_STAT(what, amount) trefoil_##what += amount
-#else
-#define TREFOIL_STAT(what, amount)
-#endif
-
 namespace trefoil {
 namespace {
 
@@ -37,18 +30,15 @@ constexpr double largest_scalable = std::numeric_limits<double>::max() / 4;
 
 /// Of a column of a matrix scaled to 1: squares below have lost digits to underflow.
 constexpr double negligible_square = 1e-280;
-/// Laguerre needs 3 to 5 for simple roots, 26 for a double one.
+/// Laguerre needs 3 to 5 for simple roots, about 25 for a double one.
 constexpr int most_iterations = 40;
 /// ||T z - lambda z|| / ||T|| that an eigenvector must reach; the contract allows 1e-13.
-constexpr double trusted_residual = 8e-15;
+constexpr double trusted_residual = 4e-15;
 /// lambda / ||T|| of what with such a residual cannot be a zero.
-constexpr double clearly_negative = -2e-14;
-/// Where the search for eigenvalues starts, over ||T||: to the left of zero, because from the edge of
-/// a null space, at -1e-15, it would take Laguerre 40 steps to get away.
-#ifndef SF
-#define SF -1e-6
-#endif
-constexpr double search_from = SF;
+constexpr double clearly_negative = -1e-14;
+/// Where the search for eigenvalues starts, over ||T||: to the left of zero, because from the edge
+/// of a null space, at -1e-15, it would take Laguerre 40 steps to get away.
+constexpr double search_from = -1e-6;
 
 constexpr int out_of_range = n + 1;  ///< subnormal, huge, NaN or Inf
 constexpr int not_trusted = -2;
@@ -62,7 +52,7 @@ constexpr int entry(int i, int j) {
 #pragma GCC diagnostic ignored "-Wpsabi"  // vectors are passed inside this file only
 
 namespace baseline {
-constexpr int part_bytes = 16, group_parts = 4;
+constexpr int part_bytes = 16, group_parts = 2;
 typedef double Vector __attribute__((vector_size(16)));
 inline Vector square_root(Vector x) {
 #if defined(__x86_64__)
@@ -90,10 +80,7 @@ inline __m256d square_root(__m256d x) {
 #pragma GCC push_options
 #pragma GCC target("avx512f,avx512dq,avx512vl,avx2,fma,prefer-vector-width=512")
 namespace avx512 {
-#ifndef TREFOIL_GROUP_PARTS
-#define TREFOIL_GROUP_PARTS 2
-#endif
-constexpr int part_bytes = 64, group_parts = TREFOIL_GROUP_PARTS;
+constexpr int part_bytes = 64, group_parts = 2;
 inline __m512d square_root(__m512d x) {
   return _mm512_maskz_sqrt_pd(0xff, x);  // the plain one warns in gcc 12
 }

@@ -16,9 +16,9 @@ inline constexpr int reduced_entries = 45;  ///< lower triangle: (0,0), (1,0), (
 /// Negative parts N of packs of eight symmetric 9x9 matrices K.
 ///
 /// The contract of split() with n = 9: error below split_accuracy(9) ||K||, rounding noise is no
-/// negative eigenvalue, 2^k K gives 2^k N exactly. The threshold is -9 eps ||K|| with ||K|| known to
-/// a factor sqrt(3) only. The result for a matrix does not depend on the matrices around it, to the
-/// last bit; it does depend, in rounding, on the instruction set of the machine.
+/// negative eigenvalue, 2^k K gives 2^k N exactly. The threshold is -9 eps ||K|| with ||K|| known
+/// to a factor sqrt(3) only. The result for a matrix does not depend on the matrices around it, to
+/// the last bit; it does depend, in rounding, on the instruction set of the machine.
 ///
 /// N is exactly 0 where `negative` is 0, and NaN where it is -1. Thread-safe; no allocation except
 /// the workspace of split(), once a thread, when a matrix needs it.
@@ -30,8 +30,8 @@ inline constexpr int reduced_entries = 45;  ///< lower triangle: (0,0), (1,0), (
 [[nodiscard]] SplitResult split_reduced(int packs, const double *K, double *N,
                                         int *negative) noexcept;
 
-/// What split_reduced() chooses by itself: the best that the processor has. The environment variable
-/// TREFOIL_SIMD = avx2 or baseline, read once, holds it back.
+/// What split_reduced() chooses by itself: the best that the processor has. The environment
+/// variable TREFOIL_SIMD = avx2 or baseline, read once, holds it back.
 enum class InstructionSet { baseline, avx2, avx512 };
 [[nodiscard]] bool processor_has(InstructionSet instructions) noexcept;
 

@@ -7,6 +7,7 @@
 #include "material/stable_neo_hookean.hpp"
 #include "mesh/check_mesh.hpp"
 #include "mesh/generate.hpp"
+#include "mesh/locality.hpp"
 #include "mesh/read_mesh.hpp"
 #include "petsc_compatibility.hpp"
 #include "scene/collective_error.hpp"
@@ -29,6 +30,7 @@ CellList prepare_mesh(const SceneOptions &options, PetscInt *unused, PetscInt *d
   *dropped = repair_rest_shape(whole, repair, mesh_name(options));
   *unused = drop_unused_vertices(whole);
   if (options.normalize) normalize(whole);
+  order_along_curve(whole);
   return whole;
 }
 
@@ -115,6 +117,7 @@ PetscErrorCode build_scene(MPI_Comm comm, const SceneOptions &options, Scene *sc
   scene->functional->add_term(make_elastic_term(options, scene->mesh));
   PetscCall(scene->discretization.create_vector(&scene->displacement));
   PetscCall(scene->discretization.create_matrix(&scene->hessian));
+  if (options.assembly == "split") PetscCall(scene->functional->prepare(scene->hessian));
   PetscCall(PetscTime(&end));
   scene->read_seconds = loaded - begin;
   scene->setup_seconds = end - loaded;

@@ -66,7 +66,8 @@ inline Matrix3 rotation(Random &random) {
 
 /// A tetrahedron's edges from its first corner, as rows: a unit one, shaken and squeezed.
 inline Matrix3 tetrahedron(Random &random, double shake, double squeeze) {
-  Matrix3 edges{{{1, 0, 0}, {0.5, std::sqrt(0.75), 0}, {0.5, std::sqrt(1.0 / 12), std::sqrt(2.0 / 3)}}};
+  Matrix3 edges{
+      {{1, 0, 0}, {0.5, std::sqrt(0.75), 0}, {0.5, std::sqrt(1.0 / 12), std::sqrt(2.0 / 3)}}};
   for (auto &edge : edges) {
     for (double &x : edge) x += shake * normal(random);
   }

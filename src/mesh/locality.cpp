@@ -1,0 +1,81 @@
+#include "mesh/locality.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <numeric>
+
+namespace trefoil {
+namespace {
+
+/// Spreads the lowest 21 bits of a number to every third bit.
+std::uint64_t spread(std::uint64_t bits) {
+  bits &= 0x1fffff;
+  bits = (bits | bits << 32) & 0x1f00000000ffff;
+  bits = (bits | bits << 16) & 0x1f0000ff0000ff;
+  bits = (bits | bits << 8) & 0x100f00f00f00f00f;
+  bits = (bits | bits << 4) & 0x10c30c30c30c30c3;
+  bits = (bits | bits << 2) & 0x1249249249249249;
+  return bits;
+}
+
+/// The place of each vertex on Morton's curve: the bits of its coordinates in turn.
+std::vector<std::uint64_t> curve_places(const CellList &mesh) {
+  constexpr double steps = 0x1fffff;
+  std::array<double, 3> least, most;
+  least.fill(std::numeric_limits<double>::infinity());
+  most.fill(-std::numeric_limits<double>::infinity());
+  for (std::size_t i = 0; i < mesh.coordinates.size(); ++i) {
+    least[i % 3] = std::min(least[i % 3], mesh.coordinates[i]);
+    most[i % 3] = std::max(most[i % 3], mesh.coordinates[i]);
+  }
+  double size = 0;
+  for (std::size_t i = 0; i < 3; ++i) size = std::max(size, most[i] - least[i]);
+  std::vector<std::uint64_t> places(mesh.coordinates.size() / 3, 0);
+  for (std::size_t i = 0; i < mesh.coordinates.size() && size > 0; ++i) {
+    const double part = (mesh.coordinates[i] - least[i % 3]) / size;
+    places[i / 3] |= spread(static_cast<std::uint64_t>(steps * part)) << i % 3;
+  }
+  return places;
+}
+
+}  // namespace
+
+void order_along_curve(CellList &mesh) {
+  const std::vector<std::uint64_t> place = curve_places(mesh);
+  std::vector<PetscInt> order(place.size()), number(place.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](PetscInt a, PetscInt b) {
+    return place[static_cast<std::size_t>(a)] < place[static_cast<std::size_t>(b)];
+  });
+  std::vector<double> coordinates;
+  coordinates.reserve(mesh.coordinates.size());
+  for (std::size_t v = 0; v < order.size(); ++v) {
+    const auto old = mesh.coordinates.begin() + 3 * static_cast<std::ptrdiff_t>(order[v]);
+    coordinates.insert(coordinates.end(), old, old + 3);
+    number[static_cast<std::size_t>(order[v])] = static_cast<PetscInt>(v);
+  }
+  mesh.coordinates.swap(coordinates);
+
+  using Cell = std::array<PetscInt, 4>;
+  std::vector<std::pair<PetscInt, Cell>> cells;  // by the sum of their corners' numbers
+  cells.reserve(mesh.cells.size() / 4);
+  for (std::size_t c = 0; c + 3 < mesh.cells.size(); c += 4) {
+    Cell cell;
+    PetscInt sum = 0;
+    for (std::size_t a = 0; a < 4; ++a) {
+      cell[a] = number[static_cast<std::size_t>(mesh.cells[c + a])];
+      sum += cell[a] / 4;
+    }
+    cells.emplace_back(sum, cell);
+  }
+  std::stable_sort(cells.begin(), cells.end(),
+                   [](const auto &a, const auto &b) { return a.first < b.first; });
+  mesh.cells.clear();
+  for (const auto &entry : cells) {
+    mesh.cells.insert(mesh.cells.end(), entry.second.begin(), entry.second.end());
+  }
+}
+
+}  // namespace trefoil
