@@ -139,6 +139,21 @@ class UsersSolvers(unittest.TestCase):
                     self.assertEqual(record["status"], 0, record["printed"])
                     self.assertLess(abs(energy(record) / reference - 1), 1e-9)
 
+    def test_every_assembly_is_the_same(self):
+        """In batches, element by element, and through the watch on the Mat."""
+        for scene in (KNOT, CYLINDER, SLIDING):
+            expected = record_of(scene)
+            for assembly in ("plain", "hook"):
+                for ranks in (1, 2):
+                    with self.subTest(scene=scene[1], assembly=assembly, ranks=ranks):
+                        record = record_of(scene + ["-assembly", assembly], ranks)
+                        self.assertEqual(record["status"], 0, record["printed"])
+                        self.assertEqual(record["result"]["iterations"],
+                                         expected["result"]["iterations"])
+                        self.assertLess(abs(energy(record) / energy(expected) - 1), 1e-12)
+                        self.assertEqual(record["history"][0]["indefinite"],
+                                         expected["history"][0]["indefinite"])
+
     def test_plain_newton_says_indefinite_and_does_not_ascend(self):
         for ranks in (1, 2):
             record = record_of(BOX + ["-snes_trefoil_filter", "newton"], ranks)
