@@ -69,4 +69,21 @@ PetscErrorCode BatchedHessian::assemble(const Term &term, const double *u, Mat H
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode BatchedHessian::count_negative(const Term &term, const double *u,
+                                              std::vector<double> *counts) {
+  const Tet4Packs &tets = *term.packs();
+  TrefoilSplitStatistics ignored{};
+  Workspace work;
+  PetscFunctionBeginUser;
+  counts->clear();
+  for (PetscInt first = 0; first < tets.packs(); first += chunk) {
+    const PetscInt count = std::min(chunk, tets.packs() - first);
+    term.reduced_hessians(first, count, u, work.K.data());
+    PetscCall(filter(work, count, &ignored));
+    counts->insert(counts->end(), work.negative.begin(), work.negative.begin() + lanes * count);
+  }
+  counts->resize(static_cast<std::size_t>(tets.elements));  // less what fills the last pack
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 }  // namespace trefoil

@@ -25,6 +25,10 @@ class BatchedHessian {
   PetscErrorCode assemble(const Term &term, const double *u, Mat H, Mat N, bool filtering,
                           TrefoilSplitStatistics *statistics) const;
 
+  /// Number of negative eigenvalues of each element's Hessian at u, in the order of the cells.
+  static PetscErrorCode count_negative(const Term &term, const double *u,
+                                       std::vector<double> *counts);
+
  private:
   DirectAssembly direct_;
 };

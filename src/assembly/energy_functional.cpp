@@ -128,13 +128,17 @@ PetscErrorCode EnergyFunctional::describe_cells(Vec x, CellReport *report) const
   report->energy_density.assign(cells, 0);
   report->negative_eigenvalues.clear();
   PetscCall(discretization_.get_local(x, &local, &u));
-  HessianAssembler counter(discretization_, nullptr, nullptr, &ignored);
-  counter.keep_counts(&report->negative_eigenvalues);
   for (const auto &term : terms_) {
     term->describe_cells(u, report->determinant.data(), report->energy_density.data());
-    PetscCall(term->add_hessian(u, counter));
   }
-  PetscCall(counter.flush());
+  if (is_batched()) {
+    PetscCall(BatchedHessian::count_negative(*terms_.front(), u, &report->negative_eigenvalues));
+  } else {
+    HessianAssembler counter(discretization_, nullptr, nullptr, &ignored);
+    counter.keep_counts(&report->negative_eigenvalues);
+    for (const auto &term : terms_) PetscCall(term->add_hessian(u, counter));
+    PetscCall(counter.flush());
+  }
   report->negative_eigenvalues.resize(cells, 0);
   PetscCall(discretization_.restore_local(&local, &u));
   PetscFunctionReturn(PETSC_SUCCESS);

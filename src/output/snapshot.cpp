@@ -18,6 +18,7 @@
 
 #include "output/xdmf.hpp"
 #include "petsc_compatibility.hpp"
+#include "scene/collective_error.hpp"
 
 namespace trefoil {
 namespace {
@@ -76,17 +77,6 @@ std::string find_obstacle(const Files &files) {
     if (obstacle.empty()) obstacle = reserve(part, 0);
   remove_parts(files);
   return obstacle.empty() ? "" : cannot_write(files.xdmf, obstacle);
-}
-
-/// Raises what rank 0 found wrong, if anything, with the same sentence on all ranks.
-PetscErrorCode raise_on_all_ranks(MPI_Comm comm, std::string problem) {
-  PetscFunctionBeginUser;
-  int length = static_cast<int>(problem.size());
-  PetscCallMPI(MPI_Bcast(&length, 1, MPI_INT, 0, comm));
-  problem.resize(static_cast<std::size_t>(length));
-  PetscCallMPI(MPI_Bcast(problem.data(), length, MPI_CHAR, 0, comm));
-  PetscCheck(problem.empty(), comm, PETSC_ERR_FILE_OPEN, "%s", problem.c_str());
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /// @return whether the sizes of the snapshot's arrays fit together, and it can be said in XDMF
@@ -228,7 +218,8 @@ PetscErrorCode check_writable(MPI_Comm comm, const std::string &path) {
 
   PetscFunctionBeginUser;
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
-  PetscCall(raise_on_all_ranks(comm, rank == 0 ? find_obstacle(Files(path)) : ""));
+  PetscCall(
+      agree_on_complaint(comm, rank == 0 ? find_obstacle(Files(path)) : "", PETSC_ERR_FILE_OPEN));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -252,7 +243,7 @@ PetscErrorCode write_snapshot(MPI_Comm comm, const std::string &path, const Snap
       problem = cannot_write(files.data, problem);
     }
   }
-  PetscCall(raise_on_all_ranks(comm, problem));
+  PetscCall(agree_on_complaint(comm, problem, PETSC_ERR_FILE_OPEN));
 
   int outcome = static_cast<int>(write_data(comm, files.data_part.string(), snapshot));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &outcome, 1, MPI_INT, MPI_MAX, comm));
@@ -263,7 +254,7 @@ PetscErrorCode write_snapshot(MPI_Comm comm, const std::string &path, const Snap
                 : publish(files, xdmf::describe(files.data.filename(), snapshot, totals));
     if (!problem.empty()) remove_parts(files);
   }
-  PetscCall(raise_on_all_ranks(comm, problem));
+  PetscCall(agree_on_complaint(comm, problem, PETSC_ERR_FILE_OPEN));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -7,7 +7,8 @@
 
 namespace trefoil {
 
-PetscErrorCode agree_on_complaint(MPI_Comm comm, const std::string &complaint) {
+PetscErrorCode agree_on_complaint(MPI_Comm comm, const std::string &complaint,
+                                  PetscErrorCode code) {
   PetscMPIInt rank = 0, ranks = 0, speaker = 0;
   PetscFunctionBeginUser;
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
@@ -20,7 +21,7 @@ PetscErrorCode agree_on_complaint(MPI_Comm comm, const std::string &complaint) {
   PetscCallMPI(MPI_Bcast(&length, 1, MPI_INT, speaker, comm));
   sentence.resize(static_cast<std::size_t>(length));
   PetscCallMPI(MPI_Bcast(sentence.data(), length, MPI_CHAR, speaker, comm));
-  SETERRQ(comm, PETSC_ERR_USER_INPUT, "%s", sentence.c_str());
+  SETERRQ(comm, code, "%s", sentence.c_str());
 }
 
 std::string complaint_of(const std::function<void()> &action) {

@@ -83,10 +83,6 @@ PetscErrorCode ElementHook::take_element(PetscInt n, const PetscInt *index,
                                          const PetscScalar *values) {
   PetscFunctionBegin;
   if (!active_) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCheck(n <= largest_element_matrix, PETSC_COMM_SELF, PETSC_ERR_SUP,
-             "an element block of %" PetscInt_FMT " x %" PetscInt_FMT
-             " is larger than the filter's largest, %d",
-             n, n, largest_element_matrix);
   if (in_field_) {
     PetscCall(split_fields(n, index, values));
   } else {
@@ -124,6 +120,10 @@ PetscErrorCode ElementHook::split_all(PetscInt n, const PetscInt *index,
   int negative = 0;
   PetscFunctionBegin;
   ++counts_.elements;
+  if (n > largest_element_matrix) {
+    ++counts_.too_large;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   // What cannot be filtered goes on as it is; after the callback all ranks learn of it together.
   const Look look = look_at(n, values);
   counts_.not_finite += !look.finite;
@@ -176,11 +176,11 @@ PetscErrorCode ElementHook::end(Mat matrix, Mat *negative, InsertionCounts *tota
   PetscFunctionBegin;
   active_ = always_;
   *filter_seconds = filter_seconds_;
-  PetscInt64 counts[] = {counts_.elements,  counts_.indefinite,   counts_.rectangular,
-                         counts_.partial,   counts_.nonsymmetric, counts_.saddle,
-                         counts_.not_finite};
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, counts, 7, MPIU_INT64, MPI_SUM, comm));
-  *total = {counts[0], counts[1], counts[2], counts[3], counts[4], counts[5], counts[6]};
+  PetscInt64 counts[] = {counts_.elements,   counts_.indefinite,   counts_.rectangular,
+                         counts_.partial,    counts_.nonsymmetric, counts_.saddle,
+                         counts_.not_finite, counts_.too_large};
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, counts, 8, MPIU_INT64, MPI_SUM, comm));
+  *total = {counts[0], counts[1], counts[2], counts[3], counts[4], counts[5], counts[6], counts[7]};
 
   if (total->indefinite > 0 && !*negative) PetscCall(duplicate_pattern(matrix, negative));
   if (*negative) {

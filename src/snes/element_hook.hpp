@@ -16,9 +16,10 @@ struct InsertionCounts {
   PetscInt64 nonsymmetric = 0;  ///< element blocks that are not symmetric
   PetscInt64 saddle = 0;        ///< element blocks with a zero on the diagonal of a non-zero row
   PetscInt64 not_finite = 0;    ///< element blocks with NaN or Inf
+  PetscInt64 too_large = 0;     ///< element blocks larger than the filter takes
 
   [[nodiscard]] PetscInt64 unfiltered() const {
-    return rectangular + nonsymmetric + saddle + not_finite;
+    return rectangular + nonsymmetric + saddle + not_finite + too_large;
   }
 };
 

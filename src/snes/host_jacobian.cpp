@@ -3,6 +3,7 @@
 
 #include <sstream>
 
+#include "filter/filter.hpp"
 #include "petsc_compatibility.hpp"
 #include "snes/solve_context.hpp"
 
@@ -37,7 +38,8 @@ PetscErrorCode refuse_unfiltered(SolveContext &context, const InsertionCounts &c
   PetscCheck(host != SNESComputeJacobianDefault && host != SNESComputeJacobianDefaultColor, comm,
              PETSC_ERR_SUP,
              "the Jacobian is made by finite differences (colouring), which has no element blocks: "
-             "%s", way_out);
+             "%s",
+             way_out);
   PetscCheck(counts.partial == 0, comm, PETSC_ERR_SUP,
              "%lld blocks were added to the Jacobian whose rows are only a part of their columns, "
              "as for elements on the interface between ranks of a DMDA: %s",
@@ -48,12 +50,18 @@ PetscErrorCode refuse_unfiltered(SolveContext &context, const InsertionCounts &c
              static_cast<long long>(counts.rectangular), way_out);
   PetscCheck(counts.elements > 0, comm, PETSC_ERR_SUP,
              "no element block was added to the Jacobian (MatSetValuesCOO, number by number, or "
-             "inserted instead of added?): %s", way_out);
+             "inserted instead of added?): %s",
+             way_out);
   PetscCheck(counts.saddle == 0, comm, PETSC_ERR_SUP,
              "%lld of %lld element blocks are of a saddle point (zeros on the diagonal), whose "
              "negative eigenvalues must stay: name the fields to filter with -snes_trefoil_fields, "
              "or -snes_trefoil_strict false goes on unfiltered",
              static_cast<long long>(counts.saddle), static_cast<long long>(counts.elements));
+  PetscCheck(counts.too_large == 0, comm, PETSC_ERR_SUP,
+             "%lld of %lld element blocks have more than the filter's largest number of rows, %d: "
+             "-snes_trefoil_strict false goes on with these unfiltered",
+             static_cast<long long>(counts.too_large), static_cast<long long>(counts.elements),
+             largest_element_matrix);
   PetscCheck(counts.not_finite == 0, comm, PETSC_ERR_FP,
              "%lld of %lld element blocks have entries that are not finite",
              static_cast<long long>(counts.not_finite), static_cast<long long>(counts.elements));
@@ -108,7 +116,8 @@ PetscErrorCode find_fields(SolveContext &context, Vec x) {
   PetscCall(PetscFree(unknowns));
   PetscCheck(missing.empty(), comm, PETSC_ERR_USER_INPUT,
              "-snes_trefoil_fields names the field '%s', which the SNES's DM does not have; its "
-             "fields are: %s", missing.c_str(), count ? known.c_str() : "none");
+             "fields are: %s",
+             missing.c_str(), count ? known.c_str() : "none");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -138,7 +147,6 @@ PetscErrorCode release_host_matrix(SolveContext &context) {
   if (hook && !hook->always_active()) PetscCall(ElementHook::detach(context.watched));
   PetscCall(MatDestroy(&context.watched));
   PetscCall(MatDestroy(&context.negative));
-  context.negative_pattern_known = false;
   context.in_field.clear();
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -172,10 +180,10 @@ PetscErrorCode watch_host_jacobian(SolveContext &context, Vec x, Mat J, Mat H, b
   PetscCheck(hook, PetscObjectComm(reinterpret_cast<PetscObject>(H)), PETSC_ERR_ORDER,
              "the Jacobian callback has taken the hook off its Mat");
   PetscCall(hook->end(H, &context.negative, counts, filter_seconds));
-  PetscCall(MatGetNonzeroState(H, &context.negative_pattern));  // N has followed it
   if (context.options.strict) PetscCall(refuse_unfiltered(context, *counts));
   context.unfiltered.rectangular += counts->rectangular;
   context.unfiltered.partial += counts->partial;
+  context.unfiltered.too_large += counts->too_large;
   context.unfiltered.nonsymmetric += counts->nonsymmetric;
   context.unfiltered.saddle += counts->saddle;
   context.unfiltered.not_finite += counts->not_finite;

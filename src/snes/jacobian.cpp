@@ -89,22 +89,14 @@ PetscErrorCode split_jacobian(SolveContext &context, Vec x, Mat H, bool filtered
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// Adds 2 w N to the assembled H, in place.
+/// Adds 2 w N to the assembled H, in place; N has H's nonzero pattern, whoever made it.
 PetscErrorCode add_negative_part(SolveContext &context, Mat H, bool filtered,
                                  PetscInt64 indefinite) {
-  PetscObjectState pattern = 0;
   PetscFunctionBeginUser;
   context.negative_present = filtered && context.negative && indefinite > 0;
-  if (!context.negative_present) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MatGetNonzeroState(H, &pattern));
-  const bool same = !context.negative_pattern_known || pattern == context.negative_pattern;
-  if (same) {
+  if (context.negative_present) {
     PetscCall(add_multiple(H, 2 * context.current.weight, context.negative));
-  } else {
-    PetscCall(MatAXPY(H, 2 * context.current.weight, context.negative, DIFFERENT_NONZERO_PATTERN));
   }
-  context.negative_pattern = pattern;
-  context.negative_pattern_known = true;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -173,7 +165,6 @@ PetscErrorCode install_jacobian(SolveContext &context) {
 PetscErrorCode set_split_jacobian(SolveContext &context, Mat H) {
   PetscFunctionBeginUser;
   PetscCall(MatDestroy(&context.negative));
-  context.negative_pattern_known = false;
   PetscCall(SNESSetJacobian(context.snes, H, H, compute_filtered_jacobian, &context));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -47,8 +47,6 @@ struct SolveContext {
 
   Mat negative = nullptr;                 ///< N, created when the first element is indefinite
   bool negative_present = false;          ///< N is part of the present Jacobian, H + 2 w N
-  PetscObjectState negative_pattern = 0;  ///< H's nonzero pattern that N was last added to
-  bool negative_pattern_known = false;
   TrefoilSplitJacobianFunction split_jacobian = nullptr;
   void *split_jacobian_context = nullptr;
   // A host that knows nothing of us: its Jacobian callback, run with its Mat watched.
