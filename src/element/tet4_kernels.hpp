@@ -4,7 +4,6 @@
 // set each (tet4_kernels_*.cpp); everything in here depends on the type Pack<isa>.
 
 #include "element/tet4_packs.hpp"
-#include "material/matrix3.hpp"
 
 namespace trefoil {
 namespace {
@@ -17,7 +16,7 @@ struct PackedTets {
   using Real = Pack<isa>;
   Real gradients[9];  ///< G_k[i] at 3 k + i
   Real volume;
-  Matrix3<Real> F;
+  alignas(64) double F[9 * lanes];  ///< as PackedFunctions takes it
 
   /// F = I + sum_a u_a g_a' = I + sum_k U_k G_k',  U_k = sum_a h_k[a] u_a.
   PackedTets(const Tet4Packs &tets, PetscInt pack, const double *u) {
@@ -36,20 +35,22 @@ struct PackedTets {
       const Real even = 0.5 * (corner[0] - corner[1]), odd = 0.5 * (corner[2] - corner[3]);
       const Real U[3] = {left - right, even + odd, even - odd};
       for (int j = 0; j < 3; ++j) {
-        F(i, j) = U[0] * gradients[j] + U[1] * gradients[3 + j] + U[2] * gradients[6 + j];
+        const Real strain = U[0] * gradients[j] + U[1] * gradients[3 + j] + U[2] * gradients[6 + j];
+        (i == j ? strain + 1.0 : strain).store(F + lanes * (3 * i + j));
       }
-      F(i, i) += Real(1.0);
     }
   }
 };
 
-template <InstructionSet isa, class M>
-void packed_energy(const M &material, const Tet4Packs &tets, PetscInt first, PetscInt count,
-                   const double *u, double rest_density, double *sums) {
+template <InstructionSet isa>
+void packed_energy(const MaterialModel &material, const Tet4Packs &tets, PetscInt first,
+                   PetscInt count, const double *u, double rest_density, double *sums) {
   Pack<isa> energy, scale;
   for (PetscInt pack = first; pack < first + count; ++pack) {
     const PackedTets<isa> tet(tets, pack, u);
-    const Pack<isa> density = material.energy_density(tet.F);
+    alignas(64) double psi[lanes];
+    material.energy_densities(tet.F, psi);
+    const Pack<isa> density = Pack<isa>::load(psi);
     energy += density * tet.volume;
     scale += (density - Pack<isa>(rest_density)).absolute() * tet.volume;
   }
@@ -57,14 +58,16 @@ void packed_energy(const M &material, const Tet4Packs &tets, PetscInt first, Pet
   sums[1] += scale.sum();
 }
 
-template <InstructionSet isa, class M>
-void packed_forces(const M &material, const Tet4Packs &tets, PetscInt first, PetscInt count,
-                   const double *u, double *forces) {
+template <InstructionSet isa>
+void packed_forces(const MaterialModel &material, const Tet4Packs &tets, PetscInt first,
+                   PetscInt count, const double *u, double *forces) {
   using Real = Pack<isa>;
   for (PetscInt pack = first; pack < first + count; ++pack) {
     const PackedTets<isa> tet(tets, pack, u);
     const PetscInt *vertex = tets.vertices.data() + 4 * lanes * pack;
-    const Matrix3<Real> P = material.stress(tet.F);
+    alignas(64) double stress[9 * lanes];
+    material.stresses(tet.F, stress);
+    const Matrix3<Real> P{packed::load<isa, 9>(stress)};
     for (int i = 0; i < 3; ++i) {
       Real reduced[3];  // V P G_k / 2
       for (int k = 0; k < 3; ++k) {
@@ -84,14 +87,14 @@ void packed_forces(const M &material, const Tet4Packs &tets, PetscInt first, Pet
 }
 
 /// K[(k,i),(l,m)] = V sum_jn G_k[j] (dP_ij/dF_mn) G_l[n], the lower triangle.
-template <InstructionSet isa, class M>
-void packed_reduced_hessians(const M &material, const Tet4Packs &tets, PetscInt first,
+template <InstructionSet isa>
+void packed_reduced_hessians(const MaterialModel &material, const Tet4Packs &tets, PetscInt first,
                              PetscInt count, const double *u, double *K) {
   using Real = Pack<isa>;
   for (PetscInt pack = first; pack < first + count; ++pack) {
     const PackedTets<isa> tet(tets, pack, u);
-    Tangent<Real> A;
-    material.tangent(tet.F, A);
+    alignas(64) double tangent[81 * lanes];  // dP_ij/dF_mn at (9 (3 i + j) + 3 m + n)
+    material.tangents(tet.F, tangent);
     double *entry = K + reduced_entries * lanes * (pack - first);
     for (int k = 0; k < 3; ++k) {
       for (int i = 0; i < 3; ++i) {
@@ -99,7 +102,7 @@ void packed_reduced_hessians(const M &material, const Tet4Packs &tets, PetscInt 
         for (int q = 0; q < 9; ++q) {
           Real sum;
           for (int j = 0; j < 3; ++j) {
-            sum += tet.gradients[3 * k + j] * A[static_cast<std::size_t>(9 * (3 * i + j) + q)];
+            sum += tet.gradients[3 * k + j] * Real::load(tangent + lanes * (9 * (3 * i + j) + q));
           }
           row[q] = tet.volume * sum;
         }
@@ -192,9 +195,9 @@ AddBlocks make_add_blocks() {
   return add_packed_blocks<isa>;
 }
 
-template <class M, InstructionSet isa>
-Tet4Kernels<M> make_tet4_kernels() {
-  return {packed_energy<isa, M>, packed_forces<isa, M>, packed_reduced_hessians<isa, M>};
+template <InstructionSet isa>
+Tet4Kernels make_tet4_kernels() {
+  return {packed_energy<isa>, packed_forces<isa>, packed_reduced_hessians<isa>};
 }
 
 }  // namespace trefoil

@@ -1,12 +1,8 @@
 #include "element/tet4_packs.hpp"
 
 #include <algorithm>
-#include <cstdlib>
-#include <cstring>
-#include <utility>
 
 #include "element/tet4.hpp"
-#include "material/stable_neo_hookean.hpp"
 #include "mesh/mesh.hpp"
 
 namespace trefoil {
@@ -44,20 +40,8 @@ Tet4Packs pack_tetrahedra(const Mesh &mesh) {
   return tets;
 }
 
-InstructionSet chosen_instruction_set() {
-  static const InstructionSet chosen = [] {
-    const char *wish = std::getenv("TREFOIL_SIMD");
-    for (const auto &[set, name] :
-         {std::pair{InstructionSet::avx512, "avx512"}, std::pair{InstructionSet::avx2, "avx2"}}) {
-      if (processor_has(set) && (!wish || std::strcmp(wish, name) == 0)) return set;
-    }
-    return InstructionSet::baseline;
-  }();
-  return chosen;
-}
-
-AddBlocks add_blocks_kernel() {
-  switch (chosen_instruction_set()) {
+AddBlocks add_blocks_kernel(InstructionSet instructions) {
+  switch (instructions) {
 #if defined(__x86_64__)
     case InstructionSet::avx512:
       return make_add_blocks<InstructionSet::avx512>();
@@ -69,23 +53,17 @@ AddBlocks add_blocks_kernel() {
   }
 }
 
-template <class M>
-const Tet4Kernels<M> &tet4_kernels() {
-  static const Tet4Kernels<M> kernels = [] {
-    switch (chosen_instruction_set()) {
+Tet4Kernels tet4_kernels(InstructionSet instructions) {
+  switch (instructions) {
 #if defined(__x86_64__)
-      case InstructionSet::avx512:
-        return make_tet4_kernels<M, InstructionSet::avx512>();
-      case InstructionSet::avx2:
-        return make_tet4_kernels<M, InstructionSet::avx2>();
+    case InstructionSet::avx512:
+      return make_tet4_kernels<InstructionSet::avx512>();
+    case InstructionSet::avx2:
+      return make_tet4_kernels<InstructionSet::avx2>();
 #endif
-      default:
-        return make_tet4_kernels<M, InstructionSet::baseline>();
-    }
-  }();
-  return kernels;
+    default:
+      return make_tet4_kernels<InstructionSet::baseline>();
+  }
 }
-
-template const Tet4Kernels<StableNeoHookean> &tet4_kernels<StableNeoHookean>();
 
 }  // namespace trefoil

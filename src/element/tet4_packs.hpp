@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "element/pack.hpp"
+#include "material/material_model.hpp"
 
 namespace trefoil {
 
@@ -54,35 +54,29 @@ struct BlockPlaces {
 /// @param arrays what BlockPlaces chooses from
 using AddBlocks = void (*)(const Tet4Packs &tets, PetscInt first, PetscInt count, const double *K,
                            const int *chosen, const BlockPlaces &places, double *const arrays[4]);
-AddBlocks add_blocks_kernel();
+AddBlocks add_blocks_kernel(InstructionSet instructions = chosen_instruction_set());
 template <InstructionSet isa>
 AddBlocks make_add_blocks();
 
-/// What a material's batched kernels do, for packs [first, first + count). `u` and `forces` are
-/// local arrays, 3 numbers a local vertex.
-template <class M>
+/// The element's batched kernels, for packs [first, first + count). `u` and `forces` are local
+/// arrays, 3 numbers a local vertex.
 struct Tet4Kernels {
   /// Adds sum psi V to sums[0] and sum |psi - rest_density| V to sums[1].
-  void (*energy)(const M &material, const Tet4Packs &tets, PetscInt first, PetscInt count,
-                 const double *u, double rest_density, double *sums);
+  void (*energy)(const MaterialModel &material, const Tet4Packs &tets, PetscInt first,
+                 PetscInt count, const double *u, double rest_density, double *sums);
   /// Adds the elements' forces V P g_a.
-  void (*forces)(const M &material, const Tet4Packs &tets, PetscInt first, PetscInt count,
-                 const double *u, double *forces);
+  void (*forces)(const MaterialModel &material, const Tet4Packs &tets, PetscInt first,
+                 PetscInt count, const double *u, double *forces);
   /// Reduced Hessians, lower triangles: K[(45 * pack + entry) * 8 + lane], pack from 0.
-  void (*reduced_hessians)(const M &material, const Tet4Packs &tets, PetscInt first, PetscInt count,
-                           const double *u, double *K);
+  void (*reduced_hessians)(const MaterialModel &material, const Tet4Packs &tets, PetscInt first,
+                           PetscInt count, const double *u, double *K);
 };
 
-/// The kernels for the best instruction set of this machine (or for the one that the environment
-/// variable TREFOIL_SIMD names: baseline, avx2 or avx512, for tests).
-template <class M>
-const Tet4Kernels<M> &tet4_kernels();
+/// The kernels for an instruction set.
+Tet4Kernels tet4_kernels(InstructionSet instructions = chosen_instruction_set());
 
-/// The kernels for one instruction set; defined in the file that is compiled for it.
-template <class M, InstructionSet isa>
-Tet4Kernels<M> make_tet4_kernels();
-
-/// The instruction set that tet4_kernels() uses.
-InstructionSet chosen_instruction_set();
+/// The same, defined in the file that is compiled for it.
+template <InstructionSet isa>
+Tet4Kernels make_tet4_kernels();
 
 }  // namespace trefoil

@@ -85,7 +85,8 @@ std::unique_ptr<Term> make_elastic_term(const SceneOptions &options, const Mesh 
   const ElasticConstants constants{options.young, options.poisson};
   const auto lame =
       options.lame == "raw" ? StableNeoHookean::Lame::raw : StableNeoHookean::Lame::physical;
-  return std::make_unique<ElasticTerm<StableNeoHookean>>(mesh, StableNeoHookean(constants, lame));
+  return std::make_unique<ElasticTerm>(mesh,
+                                       make_material_model(StableNeoHookean(constants, lame)));
 }
 
 }  // namespace

@@ -1,8 +1,9 @@
 #pragma once
 
+#include <utility>
+
 #include "element/tet4.hpp"
 #include "element/tet4_packs.hpp"
-#include "material/material.hpp"
 #include "mesh/mesh.hpp"
 #include "petsc_compatibility.hpp"
 #include "term/term.hpp"
@@ -10,36 +11,35 @@
 namespace trefoil {
 
 /// The elastic energy of a body of linear tetrahedra: sum over the elements of psi(F) V.
-template <Material M>
 class ElasticTerm final : public Term {
  public:
-  ElasticTerm(const Mesh &mesh, const M &material)
-      : mesh_(mesh), material_(material), packs_(pack_tetrahedra(mesh)) {
+  ElasticTerm(const Mesh &mesh, std::unique_ptr<MaterialModel> material)
+      : mesh_(mesh), material_(std::move(material)), packs_(pack_tetrahedra(mesh)) {
     for (double volume : packs_.volumes) volume_ += volume;
     Matrix3<double> identity;
     for (int i = 0; i < 3; ++i) identity(i, i) = 1;
-    rest_density_ = material_.energy_density(identity);
+    rest_density_ = material_->energy_density(identity);
     Tangent<double> tangent;
-    material_.tangent(identity, tangent);
+    material_->tangent(identity, tangent);
     for (std::size_t p = 0; p < 9; ++p) mean_stiffness_ += tangent[10 * p] / 9;
   }
 
   void add_energy(const double *u, EnergySums *sums) const override {
     double energies[2] = {0, 0};
-    kernels_.energy(material_, packs_, 0, packs_.packs(), u, rest_density_, energies);
+    kernels_.energy(*material_, packs_, 0, packs_.packs(), u, rest_density_, energies);
     sums->energy += energies[0];
     sums->scale += energies[1];
     sums->stiffness += mean_stiffness_ * volume_;
   }
 
   void add_gradient(const double *u, double *gradient) const override {
-    kernels_.forces(material_, packs_, 0, packs_.packs(), u, gradient);
+    kernels_.forces(*material_, packs_, 0, packs_.packs(), u, gradient);
   }
 
   [[nodiscard]] const Tet4Packs *packs() const override { return &packs_; }
 
   void reduced_hessians(PetscInt first, PetscInt count, const double *u, double *K) const override {
-    kernels_.reduced_hessians(material_, packs_, first, count, u, K);
+    kernels_.reduced_hessians(*material_, packs_, first, count, u, K);
   }
 
   PetscErrorCode add_hessian(const double *u, ElementHessianSink &sink) const override {
@@ -50,7 +50,7 @@ class ElasticTerm final : public Term {
       Tangent<double> tangent;
       double H[Tet4::dofs * Tet4::dofs];
       PetscInt dofs[Tet4::dofs];
-      material_.tangent(F, tangent);
+      material_->tangent(F, tangent);
       tet.hessian(tangent, H);
       for (int a = 0; a < 4; ++a) {
         for (int i = 0; i < 3; ++i) dofs[3 * a + i] = static_cast<PetscInt>(dof(c, a, i));
@@ -64,7 +64,7 @@ class ElasticTerm final : public Term {
   void describe_cells(const double *u, double *det, double *energy_density) const override {
     for_each_element(u, [&](PetscInt c, const Tet4 &, const Matrix3<double> &F) {
       det[c] = determinant(F);
-      energy_density[c] = material_.energy_density(F);
+      energy_density[c] = material_->energy_density(F);
     });
   }
 
@@ -93,9 +93,9 @@ class ElasticTerm final : public Term {
   }
 
   const Mesh &mesh_;
-  M material_;
+  std::unique_ptr<MaterialModel> material_;
   Tet4Packs packs_;
-  const Tet4Kernels<M> &kernels_ = tet4_kernels<M>();
+  Tet4Kernels kernels_ = tet4_kernels();
   double rest_density_ = 0, mean_stiffness_ = 0, volume_ = 0;
 };
 

@@ -70,7 +70,7 @@ PetscErrorCode benchmark(double poisson, PetscInt resolution) {
   Mat H = nullptr;
   PetscCall(discretization.create_matrix(&H));
   const StableNeoHookean material({1e6, poisson}, StableNeoHookean::Lame::raw);
-  const ElasticTerm<StableNeoHookean> term(mesh, material);
+  const ElasticTerm term(mesh, make_material_model(material));
   const Tet4Packs &tets = *term.packs();
   const PetscInt elements = mesh.local_cells(), packs = tets.packs();
   std::vector<double> u(mesh.coordinates.size()), forces(u.size());
@@ -163,7 +163,7 @@ PetscErrorCode benchmark(double poisson, PetscInt resolution) {
                      5),
                  elements);
   EnergyFunctional plain(discretization);
-  plain.add_term(std::make_unique<ElasticTerm<StableNeoHookean>>(mesh, material));
+  plain.add_term(std::make_unique<ElasticTerm>(mesh, make_material_model(material)));
   SNES snes = nullptr;
   Vec x = nullptr, g = nullptr;
   PetscCall(SNESCreate(PETSC_COMM_WORLD, &snes));

@@ -73,7 +73,7 @@ struct Body {
     }
     PetscCall(discretization.set_up(mesh, held));
     functional = std::make_unique<EnergyFunctional>(discretization);
-    functional->add_term(std::make_unique<ElasticTerm<StableNeoHookean>>(mesh, soft_material()));
+    functional->add_term(std::make_unique<ElasticTerm>(mesh, make_material_model(soft_material())));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
 

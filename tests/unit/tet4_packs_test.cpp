@@ -79,31 +79,8 @@ class Tet4PacksTest : public testing::TestWithParam<InstructionSet> {
     if (!processor_has(GetParam())) GTEST_SKIP() << "not on this processor";
   }
 
-  static Tet4Kernels<StableNeoHookean> kernels() {
-    switch (GetParam()) {
-#if defined(__x86_64__)
-      case InstructionSet::avx512:
-        return make_tet4_kernels<StableNeoHookean, InstructionSet::avx512>();
-      case InstructionSet::avx2:
-        return make_tet4_kernels<StableNeoHookean, InstructionSet::avx2>();
-#endif
-      default:
-        return make_tet4_kernels<StableNeoHookean, InstructionSet::baseline>();
-    }
-  }
-
-  static AddBlocks add_blocks() {
-    switch (GetParam()) {
-#if defined(__x86_64__)
-      case InstructionSet::avx512:
-        return make_add_blocks<InstructionSet::avx512>();
-      case InstructionSet::avx2:
-        return make_add_blocks<InstructionSet::avx2>();
-#endif
-      default:
-        return make_add_blocks<InstructionSet::baseline>();
-    }
-  }
+  static Tet4Kernels kernels() { return tet4_kernels(GetParam()); }
+  static AddBlocks add_blocks() { return add_blocks_kernel(GetParam()); }
 };
 
 /// Largest difference of `count` numbers, relative to the largest of the reference.
@@ -119,21 +96,22 @@ double relative_difference(const double *a, const double *reference, std::size_t
 TEST_P(Tet4PacksTest, EqualThePlainElement) {
   for (double poisson : {0.3, 0.495, 0.4999}) {
     const StableNeoHookean material({1e6, poisson}, StableNeoHookean::Lame::physical);
+    const auto model = make_material_model(material, GetParam());
     const Heap heap(static_cast<unsigned>(1e4 * poisson));
     const Plain plain(heap, material);
     const Tet4Packs tets = pack_tetrahedra(heap.mesh);
 
     double sums[2] = {0, 0}, energy = 0;
-    kernels().energy(material, tets, 0, tets.packs(), heap.u.data(), 0, sums);
+    kernels().energy(*model, tets, 0, tets.packs(), heap.u.data(), 0, sums);
     for (double density : plain.density) energy += density;
     EXPECT_NEAR(sums[0] / energy, 1, 1e-12);
     EXPECT_NEAR(sums[1] / energy, 1, 1e-12) << "psi is nowhere negative";
 
     std::vector<double> forces(heap.u.size());
-    kernels().forces(material, tets, 0, tets.packs(), heap.u.data(), forces.data());
+    kernels().forces(*model, tets, 0, tets.packs(), heap.u.data(), forces.data());
 
     std::vector<double> K(static_cast<std::size_t>(tets.packs()) * reduced_entries * lanes);
-    kernels().reduced_hessians(material, tets, 0, tets.packs(), heap.u.data(), K.data());
+    kernels().reduced_hessians(*model, tets, 0, tets.packs(), heap.u.data(), K.data());
     // Each element into 144 numbers of its own: row by row, blocks 12 apart.
     BlockPlaces places;
     places.stride.assign(static_cast<std::size_t>(16 * element_count), 12);

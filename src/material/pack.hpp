@@ -9,6 +9,10 @@ namespace trefoil {
 /// Elements that the batched kernels treat at once: as many as the filter does.
 inline constexpr int lanes = reduced_lanes;
 
+/// The instruction set of the kernels: the best of this machine, or the one that the environment
+/// variable TREFOIL_SIMD names (baseline, avx2 or avx512), for tests.
+InstructionSet chosen_instruction_set();
+
 /// One number of each of eight elements. The compiler makes of it what the instruction set has: one
 /// AVX-512 register, two of AVX2, four of SSE2. The instruction set is part of the type, so that no
 /// inline function that was compiled for one is ever linked into code for another.

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <tuple>
+
+#include "material/stable_neo_hookean.hpp"
+
+namespace trefoil {
+
+/// The materials that the library compiles for every instruction set: a new one is one line.
+using MaterialList = std::tuple<StableNeoHookean>;
+
+}  // namespace trefoil

@@ -1,0 +1,36 @@
+#include "material/material_model.hpp"
+
+#include <cstdlib>
+#include <cstring>
+#include <utility>
+
+namespace trefoil {
+
+MaterialModel::~MaterialModel() = default;
+
+InstructionSet chosen_instruction_set() {
+  static const InstructionSet chosen = [] {
+    const char *wish = std::getenv("TREFOIL_SIMD");
+    for (const auto &[set, name] :
+         {std::pair{InstructionSet::avx512, "avx512"}, std::pair{InstructionSet::avx2, "avx2"}}) {
+      if (processor_has(set) && (!wish || std::strcmp(wish, name) == 0)) return set;
+    }
+    return InstructionSet::baseline;
+  }();
+  return chosen;
+}
+
+const PackedFunctions *find_packed_functions_table(InstructionSet instructions) {
+  switch (instructions) {
+#if defined(__x86_64__)
+    case InstructionSet::avx512:
+      return packed_functions_table<InstructionSet::avx512>();
+    case InstructionSet::avx2:
+      return packed_functions_table<InstructionSet::avx2>();
+#endif
+    default:
+      return packed_functions_table<InstructionSet::baseline>();
+  }
+}
+
+}  // namespace trefoil
