@@ -63,6 +63,20 @@ typedef PetscErrorCode (*TrefoilEnergyScaleFunction)(SNES snes, Vec x, PetscReal
 PetscErrorCode TrefoilSNESSetEnergyScale(SNES snes, TrefoilEnergyScaleFunction function, void *ctx);
 
 /*
+   A callback for energies at many points of a line or plane through x, in one pass over the
+   elements: changes[p] = f(x + sum_k c[p][k] d[k]) - f(x), with `directions` (one or two) vectors d
+   and `points` rows of coefficients, one after the other. Infinite where the energy is. Collective;
+   the same numbers on all ranks. Search `subspace` uses it; without it that search evaluates the
+   objective at a few points.
+*/
+typedef PetscErrorCode (*TrefoilEnergyChangesFunction)(SNES snes, Vec x, PetscInt directions,
+                                                       const Vec d[], PetscInt points,
+                                                       const PetscReal coefficients[],
+                                                       PetscReal changes[], void *ctx);
+PetscErrorCode TrefoilSNESSetEnergyChanges(SNES snes, TrefoilEnergyChangesFunction function,
+                                           void *ctx);
+
+/*
    TrefoilSplitElementMatrix - the negative part of one symmetric element matrix
 
    Not collective.

@@ -94,6 +94,16 @@ PetscErrorCode Discretization::get_local(Vec x, Vec *local, const PetscScalar **
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode Discretization::get_local_direction(Vec d, Vec *local,
+                                                   const PetscScalar **values) const {
+  PetscFunctionBeginUser;
+  PetscCall(DMGetLocalVector(mesh_->dm, local));
+  PetscCall(VecSet(*local, 0));
+  PetscCall(DMGlobalToLocal(mesh_->dm, d, INSERT_VALUES, *local));
+  PetscCall(VecGetArrayRead(*local, values));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode Discretization::restore_local(Vec *local, const PetscScalar **u) const {
   PetscFunctionBeginUser;
   PetscCall(VecRestoreArrayRead(*local, u));

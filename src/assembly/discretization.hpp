@@ -37,6 +37,8 @@ class Discretization {
   /// Displacements of all local vertices: the unknowns of x, prescribed values where held.
   /// Collective. Give the array back with restore_local().
   PetscErrorCode get_local(Vec x, Vec *local, const PetscScalar **u) const;
+  /// The same for a direction, a change of the unknowns: 0 where held.
+  PetscErrorCode get_local_direction(Vec d, Vec *local, const PetscScalar **values) const;
   PetscErrorCode restore_local(Vec *local, const PetscScalar **u) const;
 
   /// Adds up local contributions, 3 a local vertex, into a vector of unknowns. Collective.

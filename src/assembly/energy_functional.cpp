@@ -31,6 +31,35 @@ PetscErrorCode EnergyFunctional::energy(Vec x, EnergySums *sums) const {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode EnergyFunctional::energy_changes(Vec x, PetscInt directions, const Vec d[],
+                                                PetscInt points, const PetscReal coefficients[],
+                                                PetscReal changes[]) const {
+  constexpr PetscInt most_directions = 2;
+  Vec local = nullptr, local_d[most_directions] = {nullptr, nullptr};
+  const PetscScalar *u = nullptr, *values[most_directions] = {nullptr, nullptr};
+  PetscFunctionBeginUser;
+  PetscCheck(directions >= 1 && directions <= most_directions,
+             PetscObjectComm(reinterpret_cast<PetscObject>(x)), PETSC_ERR_ARG_OUTOFRANGE,
+             "energies are sampled on a line or a plane, not on %" PetscInt_FMT " directions",
+             directions);
+  PetscCall(discretization_.get_local(x, &local, &u));
+  for (PetscInt k = 0; k < directions; ++k) {
+    PetscCall(discretization_.get_local_direction(d[k], &local_d[k], &values[k]));
+  }
+  std::fill_n(changes, points, 0);
+  for (const auto &term : terms_) {
+    term->add_energy_changes(u, discretization_.global_dofs().size(), static_cast<int>(directions),
+                             values, static_cast<int>(points), coefficients, changes);
+  }
+  for (PetscInt k = 0; k < directions; ++k) {
+    PetscCall(discretization_.restore_local(&local_d[k], &values[k]));
+  }
+  PetscCall(discretization_.restore_local(&local, &u));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, changes, static_cast<PetscMPIInt>(points), MPI_DOUBLE,
+                             MPI_SUM, PetscObjectComm(reinterpret_cast<PetscObject>(x))));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode EnergyFunctional::energy_at_rest(double *energy) const {
   EnergySums sums;
   PetscFunctionBeginUser;
@@ -198,6 +227,14 @@ PetscErrorCode plain_hessian(SNES, Vec x, Mat, Mat H, void *ctx) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode changes_on_plane(SNES, Vec x, PetscInt directions, const Vec d[], PetscInt points,
+                                const PetscReal coefficients[], PetscReal changes[], void *ctx) {
+  PetscFunctionBeginUser;
+  PetscCall(static_cast<EnergyFunctional *>(ctx)->energy_changes(x, directions, d, points,
+                                                                 coefficients, changes));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode energy_scale(SNES, Vec x, PetscReal *scale, void *ctx) {
   EnergySums sums;
   PetscFunctionBeginUser;
@@ -220,6 +257,7 @@ PetscErrorCode EnergyFunctional::attach(SNES snes, Mat H, Assembly assembly) {
     PetscCall(SNESSetJacobian(snes, H, H, plain_hessian, this));
   }
   PetscCall(TrefoilSNESSetEnergyScale(snes, energy_scale, this));
+  PetscCall(TrefoilSNESSetEnergyChanges(snes, changes_on_plane, this));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -23,6 +23,10 @@ class EnergyFunctional {
 
   /// f(x) and its size free of rest offsets (see EnergySums). Collective.
   PetscErrorCode energy(Vec x, EnergySums *sums) const;
+  /// f(x + sum_k c_k d_k) - f(x) at `points` rows c of coefficients, one for each of `directions`
+  /// (one or two) vectors d. Collective.
+  PetscErrorCode energy_changes(Vec x, PetscInt directions, const Vec d[], PetscInt points,
+                                const PetscReal coefficients[], PetscReal changes[]) const;
   /// The energy of the undeformed body, held dofs at rest as well. Collective.
   PetscErrorCode energy_at_rest(double *energy) const;
   /// The gradient of f, for the unknowns. Collective.

@@ -58,6 +58,42 @@ void packed_energy(const MaterialModel &material, const Tet4Packs &tets, PetscIn
   sums[1] += scale.sum();
 }
 
+/// Elements' grad u = sum_a u_a g_a' = sum_k U_k G_k', entry 3 i + j.
+template <InstructionSet isa>
+void displacement_gradient(const Tet4Packs &tets, PetscInt pack, const double *u,
+                           Pack<isa> (&gradient)[9]) {
+  const PackedTets<isa> tet(tets, pack, u);
+  for (int k = 0; k < 9; ++k) {
+    gradient[k] = Pack<isa>::load(tet.F + lanes * k);
+    if (k % 4 == 0) gradient[k] = gradient[k] - Pack<isa>(1.0);
+  }
+}
+
+template <InstructionSet isa>
+void packed_energy_changes(const MaterialModel &material, const Tet4Packs &tets, PetscInt first,
+                           PetscInt count, const double *u, int directions, const double *const *d,
+                           int points, const double *coefficients, double *changes) {
+  using Real = Pack<isa>;
+  for (PetscInt pack = first; pack < first + count; ++pack) {
+    const PackedTets<isa> tet(tets, pack, u);
+    Real step[2][9];
+    for (int k = 0; k < directions; ++k) displacement_gradient<isa>(tets, pack, d[k], step[k]);
+    alignas(64) double psi[lanes], F[9 * lanes];
+    material.energy_densities(tet.F, psi);
+    const Real before = Real::load(psi);
+    for (int point = 0; point < points; ++point) {
+      const double *c = coefficients + directions * point;
+      for (int entry = 0; entry < 9; ++entry) {
+        Real sum = Real::load(tet.F + lanes * entry);
+        for (int k = 0; k < directions; ++k) sum += c[k] * step[k][entry];
+        sum.store(F + lanes * entry);
+      }
+      material.energy_densities(F, psi);
+      changes[point] += ((Real::load(psi) - before) * tet.volume).sum();
+    }
+  }
+}
+
 template <InstructionSet isa>
 void packed_forces(const MaterialModel &material, const Tet4Packs &tets, PetscInt first,
                    PetscInt count, const double *u, double *forces) {
@@ -197,7 +233,8 @@ AddBlocks make_add_blocks() {
 
 template <InstructionSet isa>
 Tet4Kernels make_tet4_kernels() {
-  return {packed_energy<isa>, packed_forces<isa>, packed_reduced_hessians<isa>};
+  return {packed_energy<isa>, packed_energy_changes<isa>, packed_forces<isa>,
+          packed_reduced_hessians<isa>};
 }
 
 }  // namespace trefoil

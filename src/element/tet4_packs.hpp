@@ -64,6 +64,11 @@ struct Tet4Kernels {
   /// Adds sum psi V to sums[0] and sum |psi - rest_density| V to sums[1].
   void (*energy)(const MaterialModel &material, const Tet4Packs &tets, PetscInt first,
                  PetscInt count, const double *u, double rest_density, double *sums);
+  /// Adds sum V (psi(u + sum_k c_k d_k) - psi(u)) to changes[p] for each of `points` rows c of
+  /// coefficients, one for each of `directions` (one or two) local arrays d. One pass.
+  void (*energy_changes)(const MaterialModel &material, const Tet4Packs &tets, PetscInt first,
+                         PetscInt count, const double *u, int directions, const double *const *d,
+                         int points, const double *coefficients, double *changes);
   /// Adds the elements' forces V P g_a.
   void (*forces)(const MaterialModel &material, const Tet4Packs &tets, PetscInt first,
                  PetscInt count, const double *u, double *forces);

@@ -27,6 +27,16 @@ PetscErrorCode TrefoilSNESSetEnergyScale(SNES snes, TrefoilEnergyScaleFunction f
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode TrefoilSNESSetEnergyChanges(SNES snes, TrefoilEnergyChangesFunction function,
+                                           void *ctx) {
+  SolveContext *context = nullptr;
+  PetscFunctionBegin;
+  PetscCall(trefoil::get_solve_context(snes, &context));
+  context->energy_changes = function;
+  context->energy_changes_context = ctx;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode TrefoilSNESGetWeight(SNES snes, PetscReal *weight) {
   SolveContext *context = nullptr;
   PetscFunctionBegin;

@@ -34,6 +34,8 @@ PetscErrorCode evaluate_trial_residual(SolveContext &context, Line &line);
 /// Collective.
 PetscErrorCode energy_change(SolveContext &context, Line &line, double predicted, double *change);
 
+PetscErrorCode steer_direction(SolveContext &context, Line &line, bool *steered);
+
 /// Whether the direction still moves unknowns whose rows of H are but a diagonal: Dirichlet values
 /// that a host enforces by the first step. Collective.
 PetscErrorCode moves_boundary_values(Mat H, Vec direction, bool *moves);

@@ -175,6 +175,10 @@ static PetscErrorCode search_and_step(SolveContext &context, SNESLineSearch sear
   PetscCall(SNESLineSearchGetTolerances(search, nullptr, nullptr, nullptr, nullptr, nullptr,
                                         &most_trials));
   PetscCall(SNESLineSearchGetDamping(search, &first_step));
+  bool steered = false;
+  if (context.options.search == "subspace" && !line.lifted) {
+    PetscCall(steer_direction(context, line, &steered));
+  }
   PetscCall(unfiltered_curvature(context, line, line.point, &curvature));
   PetscCall(backtrack(context, line, first_step, most_trials, &accepted));
   current.trials = line.trials;
@@ -188,6 +192,10 @@ static PetscErrorCode search_and_step(SolveContext &context, SNESLineSearch sear
   current.step = line.step;
   if (!line.lifted) PetscCall(trust_region_ratio(context, line, curvature, &current.rho));
   PetscCall(take_step(context, search, line));
+  if (context.options.search == "subspace") {
+    PetscCall(VecWAXPY(context.previous_step, -1, line.x, line.solution));
+    context.previous_step_known = true;
+  }
   context.history.push_back(current);
   PetscCall(monitor_iteration(context, current));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -52,8 +52,8 @@ PetscErrorCode check_values(const SolverOptions &options, MPI_Comm comm) {
   PetscCheck(make_rule(options.filter, options.rule), comm, PETSC_ERR_USER_INPUT,
              "there is no filter '%s' (-snes_trefoil_filter); the filters are: %s",
              options.filter.c_str(), join(rule_names()).c_str());
-  PetscCheck(options.search == "armijo", comm, PETSC_ERR_USER_INPUT,
-             "there is no search '%s' (-snes_trefoil_search); the searches are: armijo",
+  PetscCheck(options.search == "armijo" || options.search == "subspace", comm, PETSC_ERR_USER_INPUT,
+             "there is no search '%s' (-snes_trefoil_search); the searches are: armijo, subspace",
              options.search.c_str());
   PetscCheck(options.shrink > 0 && options.shrink < 1, comm, PETSC_ERR_USER_INPUT,
              "-snes_linesearch_shrink is %g and must lie between 0 and 1", options.shrink);

@@ -10,6 +10,7 @@ SolveContext::~SolveContext() {
   // Errors, if any, have nowhere to go from a destructor; PETSc has printed them.
   static_cast<void>(release_host_matrix(*this));
   static_cast<void>(MatDestroy(&negative));
+  static_cast<void>(VecDestroy(&previous_step));
   static_cast<void>(PetscObjectDereference(host_context_keeper));
 }
 
@@ -63,6 +64,7 @@ PetscErrorCode begin_solve(SolveContext &context) {
   context.energy_state = -1;
   context.energy = 0;
   context.unfiltered = {};
+  context.previous_step_known = false;
   context.boundary_values_open = !context.split_jacobian;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

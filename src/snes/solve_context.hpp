@@ -45,8 +45,8 @@ struct SolveContext {
   SolverOptions options;
   std::unique_ptr<Rule> rule;
 
-  Mat negative = nullptr;                 ///< N, created when the first element is indefinite
-  bool negative_present = false;          ///< N is part of the present Jacobian, H + 2 w N
+  Mat negative = nullptr;         ///< N, created when the first element is indefinite
+  bool negative_present = false;  ///< N is part of the present Jacobian, H + 2 w N
   TrefoilSplitJacobianFunction split_jacobian = nullptr;
   void *split_jacobian_context = nullptr;
   // A host that knows nothing of us: its Jacobian callback, run with its Mat watched.
@@ -60,6 +60,11 @@ struct SolveContext {
 
   TrefoilEnergyScaleFunction energy_scale = nullptr;
   void *energy_scale_context = nullptr;
+  TrefoilEnergyChangesFunction energy_changes = nullptr;
+  void *energy_changes_context = nullptr;
+
+  Vec previous_step = nullptr;       ///< kept for search `subspace` only
+  bool previous_step_known = false;  ///< in this solve
 
   bool running = false;  ///< between the start of a solve and its end
   bool driven = false;   ///< by our line search; otherwise the Jacobian stays unfiltered

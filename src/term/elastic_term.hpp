@@ -32,6 +32,12 @@ class ElasticTerm final : public Term {
     sums->stiffness += mean_stiffness_ * volume_;
   }
 
+  void add_energy_changes(const double *u, std::size_t, int directions, const double *const *d,
+                          int points, const double *coefficients, double *changes) const override {
+    kernels_.energy_changes(*material_, packs_, 0, packs_.packs(), u, directions, d, points,
+                            coefficients, changes);
+  }
+
   void add_gradient(const double *u, double *gradient) const override {
     kernels_.forces(*material_, packs_, 0, packs_.packs(), u, gradient);
   }

@@ -30,6 +30,12 @@ class Term {
  public:
   virtual ~Term() = default;
   virtual void add_energy(const double *u, EnergySums *sums) const = 0;
+  /// Adds f(u + sum_k c_k d_k) - f(u) to changes[p] for each of `points` rows c of coefficients,
+  /// one for each of `directions` local arrays d. Many points at the price of one pass, where the
+  /// term knows how; here one evaluation a point.
+  virtual void add_energy_changes(const double *u, std::size_t size, int directions,
+                                  const double *const *d, int points, const double *coefficients,
+                                  double *changes) const;
   virtual void add_gradient(const double *u, double *gradient) const = 0;
   virtual PetscErrorCode add_hessian(const double *u, ElementHessianSink &sink) const = 0;
   /// The term's elements in packs, whose reduced Hessians reduced_hessians() makes in batches; null
