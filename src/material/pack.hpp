@@ -1,6 +1,11 @@
 #pragma once
 
+#include <cmath>
 #include <cstring>
+
+#if defined(__x86_64__)
+#include <immintrin.h>
+#endif
 
 #include "filter/reduced_filter.hpp"
 
@@ -40,6 +45,31 @@ struct Pack {
   friend Pack operator-(const Pack &a, const Pack &b) { return Pack(a.v - b.v); }
   friend Pack operator-(const Pack &a) { return Pack(-a.v); }
   friend Pack operator*(const Pack &a, const Pack &b) { return Pack(a.v * b.v); }
+  friend Pack operator/(const Pack &a, const Pack &b) { return Pack(a.v / b.v); }
+
+  /// A comparison's answer for each lane; no for what is not a number.
+  struct Mask {
+    decltype(Lanes{} < Lanes{}) bits;  ///< all of a lane's, or none
+
+    friend bool any(const Mask &mask) {
+      for (int lane = 0; lane < lanes; ++lane) {
+        if (mask.bits[lane]) return true;
+      }
+      return false;
+    }
+  };
+  friend Mask operator<(const Pack &a, const Pack &b) { return {a.v < b.v}; }
+  friend Mask operator>(const Pack &a, const Pack &b) { return {a.v > b.v}; }
+  friend Mask operator<=(const Pack &a, const Pack &b) { return {a.v <= b.v}; }
+  friend Pack select(const Mask &where, const Pack &a, const Pack &b) {
+    return Pack(where.bits ? a.v : b.v);
+  }
+  friend Pack sqrt(const Pack &a) { return a.square_root(); }
+  friend Pack log(const Pack &a) {
+    Pack result;
+    for (int lane = 0; lane < lanes; ++lane) result.v[lane] = std::log(a.v[lane]);
+    return result;
+  }
 
   [[nodiscard]] double sum() const {
     double total = 0;
@@ -47,6 +77,31 @@ struct Pack {
     return total;
   }
   [[nodiscard]] Pack absolute() const { return Pack(v < 0 ? -v : v); }
+  friend Pack abs(const Pack &a) { return a.absolute(); }
+
+ private:
+  /// The compiler has no square root of a vector and makes none of a loop that may set errno.
+  [[nodiscard]] Pack square_root() const {
+    Pack result;
+#if defined(__AVX512F__)
+    constexpr int width = 8;
+    const auto root = [](const double *x) { return _mm512_sqrt_pd(_mm512_loadu_pd(x)); };
+#elif defined(__AVX__)
+    constexpr int width = 4;
+    const auto root = [](const double *x) { return _mm256_sqrt_pd(_mm256_loadu_pd(x)); };
+#elif defined(__SSE2__)
+    constexpr int width = 2;
+    const auto root = [](const double *x) { return _mm_sqrt_pd(_mm_loadu_pd(x)); };
+#else
+    constexpr int width = 1;
+    const auto root = [](const double *x) { return std::sqrt(*x); };
+#endif
+    for (int lane = 0; lane < lanes; lane += width) {
+      const auto part = root(reinterpret_cast<const double *>(&v) + lane);
+      std::memcpy(reinterpret_cast<double *>(&result.v) + lane, &part, sizeof part);
+    }
+    return result;
+  }
 };
 
 }  // namespace trefoil
