@@ -96,7 +96,7 @@ bool EnergyFunctional::is_batched() const {
 
 PetscErrorCode EnergyFunctional::prepare(Mat H) {
   PetscFunctionBeginUser;
-  if (is_batched() && !batched_.ready()) PetscCall(batched_.set_up(discretization_, H));
+  if (is_batched() && !batched_->ready()) PetscCall(batched_->set_up(discretization_, H));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -105,8 +105,8 @@ PetscErrorCode EnergyFunctional::assemble(const PetscScalar *u, Mat H, Mat N, bo
                                           TrefoilSplitStatistics *statistics) const {
   PetscFunctionBeginUser;
   if (is_batched()) {
-    if (!batched_.ready()) PetscCall(batched_.set_up(discretization_, H ? H : N));
-    PetscCall(batched_.assemble(*terms_.front(), u, H, N, filtering, statistics));
+    if (!batched_->ready()) PetscCall(batched_->set_up(discretization_, H ? H : N));
+    PetscCall(batched_->assemble(*terms_.front(), u, H, N, filtering, statistics));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   HessianAssembler assembler(discretization_, H, N, statistics);
@@ -145,6 +145,15 @@ PetscErrorCode EnergyFunctional::hessian(Vec x, Mat H, Mat *negative,
   }
   PetscCall(discretization_.restore_local(&local, &u));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+std::unique_ptr<EnergyFunctional> EnergyFunctional::spreading(Spreading kind) const {
+  auto other = std::make_unique<EnergyFunctional>(discretization_);
+  for (const auto &term : terms_) {
+    if (auto spreading = term->spreading(kind)) other->add_term(std::move(spreading));
+  }
+  if (is_batched()) other->batched_ = batched_;
+  return other;
 }
 
 PetscErrorCode EnergyFunctional::describe_cells(Vec x, CellReport *report) const {
@@ -192,7 +201,7 @@ PetscErrorCode EnergyFunctional::count_inverted(Vec x, PetscInt64 *inverted) con
 }
 
 double EnergyFunctional::bytes() const {
-  double sum = batched_.bytes();
+  double sum = batched_->bytes();
   for (const auto &term : terms_) sum += term->bytes();
   return sum;
 }

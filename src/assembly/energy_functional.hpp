@@ -34,6 +34,10 @@ class EnergyFunctional {
   /// H, and N in *negative (see TrefoilSplitJacobianFunction, whose contract this is). Collective.
   PetscErrorCode hessian(Vec x, Mat H, Mat *negative, TrefoilSplitStatistics *statistics) const;
 
+  /// The same elements with energies that spread displacements. Shares what is prepared; this
+  /// object must outlive it.
+  [[nodiscard]] std::unique_ptr<EnergyFunctional> spreading(Spreading kind) const;
+
   /// For each local cell: det F, energy density and number of negative eigenvalues of its Hessian.
   struct CellReport {
     std::vector<double> determinant, energy_density, negative_eigenvalues;
@@ -65,7 +69,8 @@ class EnergyFunctional {
   const Discretization &discretization_;
   std::vector<std::unique_ptr<Term>> terms_;
   Assembly assembly_ = Assembly::split;
-  mutable BatchedHessian batched_;  ///< set up with the first matrix
+  /// Set up with the first matrix.
+  std::shared_ptr<BatchedHessian> batched_ = std::make_shared<BatchedHessian>();
 };
 
 }  // namespace trefoil

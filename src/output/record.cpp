@@ -21,9 +21,10 @@ PetscErrorCode mesh_bytes(const Scene &scene, MPI_Comm comm, double *bytes) {
 void complete_times(Json &time, const ProgramTimes &times) {
   time["read"] = times.read;
   time["setup"] = times.setup;
+  time["guess"] = times.guess;
   time["output"] = times.output;
-  const char *phases[] = {"read",         "setup",       "assembly", "filter",
-                          "linear_solve", "line_search", "output"};
+  const char *phases[] = {"read",   "setup",        "guess",       "assembly",
+                          "filter", "linear_solve", "line_search", "output"};
   double named = 0;
   for (const char *phase : phases) named += time[phase].get<double>();
   const double share = named > times.total ? times.total / named : 1;
@@ -37,10 +38,11 @@ void complete_times(Json &time, const ProgramTimes &times) {
 PetscErrorCode complete_record(const Scene &scene, const SolveOutcome &outcome,
                                const ProgramTimes &times, std::string *json) {
   const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(scene.mesh.dm));
-  double seconds[4] = {times.total, times.read, times.setup, times.output}, bytes = 0;
+  double seconds[5] = {times.total, times.read, times.setup, times.output, outcome.guess.seconds},
+         bytes = 0;
   PetscFunctionBeginUser;
   PetscCall(mesh_bytes(scene, comm, &bytes));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, seconds, 4, MPI_DOUBLE, MPI_MAX, comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, seconds, 5, MPI_DOUBLE, MPI_MAX, comm));
   Json record = Json::parse(outcome.plugin_record, nullptr, false);
   PetscCheck(record.is_object(), comm, PETSC_ERR_PLIB, "the solver left no record");
   record["mesh"] = {{"vertices", scene.mesh.total_vertices},
@@ -53,9 +55,10 @@ PetscErrorCode complete_record(const Scene &scene, const SolveOutcome &outcome,
                     {"imbalance", scene.mesh.imbalance}};
   record["result"]["energy_rest"] = outcome.energy_rest;
   record["result"]["energy_scale"] = outcome.energy_scale;
+  record["result"]["guess_linear_solves"] = outcome.guess.linear_solves;
   record["result"]["inverted"] = outcome.inverted;
   record["memory"]["mesh_bytes"] = bytes;
-  complete_times(record["time"], {seconds[0], seconds[1], seconds[2], seconds[3]});
+  complete_times(record["time"], {seconds[0], seconds[1], seconds[2], seconds[3], seconds[4]});
   *json = record.dump(1);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -75,8 +78,8 @@ PetscErrorCode print_summary(MPI_Comm comm, const std::string &json) {
                         number(result["energy"]), number(result["gradient_norm"]),
                         result["inverted"].get<int>()));
   PetscCall(PetscPrintf(comm, "seconds %.3g:", number(time["total"])));
-  for (const char *phase :
-       {"read", "setup", "assembly", "filter", "linear_solve", "line_search", "output", "other"}) {
+  for (const char *phase : {"read", "setup", "guess", "assembly", "filter", "linear_solve",
+                            "line_search", "output", "other"}) {
     PetscCall(PetscPrintf(comm, " %s %.3g", phase, number(time[phase])));
   }
   PetscCall(PetscPrintf(comm, "\n"));

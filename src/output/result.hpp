@@ -16,7 +16,7 @@ PetscErrorCode write_fields(const Scene &scene);
 
 /// Seconds of the program outside the solve; the rest of `total` is the solve's.
 struct ProgramTimes {
-  double total = 0, read = 0, setup = 0, output = 0;
+  double total = 0, read = 0, setup = 0, output = 0, guess = 0;
 };
 
 /// The plugin's record completed by mesh, energies and times of the whole program, as JSON.

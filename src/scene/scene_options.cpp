@@ -108,7 +108,9 @@ PetscErrorCode check_values(MPI_Comm comm, const SceneOptions &options) {
   PetscCheck(options.lame == "physical" || options.poisson > 0, comm, PETSC_ERR_USER_INPUT,
              "-material_lame raw needs a positive Poisson's ratio, not %g", options.poisson);
   PetscCall(check_files(comm, options));
-  PetscCall(check_choice(comm, "initial", options.initial, {"rest"}));
+  PetscCall(check_choice(comm, "initial", options.initial, {"rest", "harmonic", "arap"}));
+  PetscCheck(options.initial_steps >= 0, comm, PETSC_ERR_USER_INPUT,
+             "-initial_steps must not be negative");
   PetscCheck(options.order == 1, comm, PETSC_ERR_USER_INPUT,
              "-order is %" PetscInt_FMT "; only linear elements (1) are there yet", options.order);
   PetscCall(check_choice(comm, "assembly", options.assembly, {"split", "plain", "hook"}));
@@ -141,7 +143,12 @@ PetscErrorCode read_scene_options(MPI_Comm comm, SceneOptions *options) {
                         &options->lame));
   PetscCall(read_constraints(comm, reader, options));
   PetscCall(
-      reader.text("initial", "Start: rest, prescribed vertices already moved", &options->initial));
+      reader.text("initial",
+                  "Start: rest, prescribed vertices already moved; harmonic: their displacement "
+                  "spread over the body; arap: then as rigid as possible",
+                  &options->initial));
+  PetscCall(reader.integer("initial_steps", "Local/global steps of -initial arap",
+                           &options->initial_steps));
   PetscCall(reader.integer("order", "Polynomial order of the elements", &options->order));
   PetscCall(reader.text("assembly",
                         "split: H and N at once, in batches; plain: the same by LAPACK and "

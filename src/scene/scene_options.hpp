@@ -23,7 +23,8 @@ struct SceneOptions {
   std::string model = "stable_neo_hookean", lame = "physical";
   double young = 1e6, poisson = 0.45;
   std::vector<ConstraintOptions> constraints;
-  std::string initial = "rest";
+  std::string initial = "arap";
+  PetscInt initial_steps = 20;  ///< local/global steps of arap
   PetscInt order = 1;
   std::string assembly = "split";  ///< or "hook": through the plugin's watch on the Mat
   std::string output_file;

@@ -150,6 +150,13 @@ PetscErrorCode solve_scene(Scene &scene, SolveOutcome *outcome) {
   context->options.record_file.clear();  // the program writes it, completed
 
   PetscCall(scene.functional->energy_at_rest(&outcome->energy_rest));
+  if (scene.options.initial != "rest") {
+    PetscCall(
+        spread_displacements(*scene.functional, scene.discretization, scene.hessian,
+                             scene.options.initial == "arap" ? scene.options.initial_steps : 0,
+                             scene.displacement, &outcome->guess));
+    context->head_start = outcome->guess.seconds;
+  }
   PetscCall(scene.functional->count_inverted(scene.displacement, &outcome->inverted_at_start));
   PetscCall(scene.functional->energy(scene.displacement, &start));
   PetscCheck(std::isfinite(start.energy), comm, PETSC_ERR_USER_INPUT,

@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "guess/starting_guess.hpp"
 #include "scene/scene.hpp"
 
 namespace trefoil {
@@ -12,6 +13,7 @@ namespace trefoil {
 struct SolveOutcome {
   bool converged = false;
   std::string plugin_record;  ///< JSON of the plugin, see TrefoilSNESGetRecord()
+  GuessCost guess;
   double energy_rest = 0, energy_scale = 0;
   PetscInt64 inverted_at_start = 0, inverted = 0;
 };

@@ -41,7 +41,7 @@ PetscErrorCode record_foreign_iteration(SolveContext &context, Vec x) {
   KSP ksp = nullptr;
   Vec residual = nullptr;
   IterationRecord &current = context.current;
-  const double seconds = context.clock.elapsed();
+  const double seconds = (context.head_start + context.clock.elapsed());
   PetscFunctionBeginUser;
   if (current.k > 0) {
     SNESLineSearch search = nullptr;

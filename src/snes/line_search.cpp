@@ -158,7 +158,7 @@ static PetscErrorCode open_line(SolveContext &context, SNESLineSearch search, Li
   current.rho = IterationRecord::none;
   current.step = 0;
   current.trials = 0;
-  current.seconds = context.clock.elapsed();
+  current.seconds = (context.head_start + context.clock.elapsed());
   PetscCall(VecNorm(line.residual, NORM_2, &current.gradient_norm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -172,7 +172,7 @@ PetscErrorCode close_history(SolveContext &context) {
   last.k = context.history.empty() ? 0 : context.history.back().k + 1;
   last.weight = context.current.weight;
   last.indefinite = IterationRecord::none;
-  last.seconds = context.clock.elapsed();
+  last.seconds = (context.head_start + context.clock.elapsed());
   PetscCall(SNESGetSolution(context.snes, &x));
   PetscCall(energy_at(context, x, &last.energy));
   PetscCall(SNESGetFunction(context.snes, &residual, nullptr, nullptr));

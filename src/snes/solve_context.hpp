@@ -69,6 +69,7 @@ struct SolveContext {
   bool running = false;  ///< between the start of a solve and its end
   bool driven = false;   ///< by our line search; otherwise the Jacobian stays unfiltered
   PhaseClock clock;
+  double head_start = 0;    ///< seconds spent on a starting guess: history counts them
   IterationRecord current;  ///< the iteration under way
   std::vector<IterationRecord> history;
   SolveSummary summary;

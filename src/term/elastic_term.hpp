@@ -14,8 +14,13 @@ namespace trefoil {
 class ElasticTerm final : public Term {
  public:
   ElasticTerm(const Mesh &mesh, std::unique_ptr<MaterialModel> material)
-      : mesh_(mesh), material_(std::move(material)), packs_(pack_tetrahedra(mesh)) {
-    for (double volume : packs_.volumes) volume_ += volume;
+      : ElasticTerm(mesh, std::make_shared<Tet4Packs>(pack_tetrahedra(mesh)), std::move(material)) {
+  }
+
+  ElasticTerm(const Mesh &mesh, std::shared_ptr<const Tet4Packs> packs,
+              std::unique_ptr<MaterialModel> material)
+      : mesh_(mesh), material_(std::move(material)), packs_(std::move(packs)) {
+    for (double volume : packs_->volumes) volume_ += volume;
     Matrix3<double> identity;
     for (int i = 0; i < 3; ++i) identity(i, i) = 1;
     rest_density_ = material_->energy_density(identity);
@@ -26,7 +31,7 @@ class ElasticTerm final : public Term {
 
   void add_energy(const double *u, EnergySums *sums) const override {
     double energies[2] = {0, 0};
-    kernels_.energy(*material_, packs_, 0, packs_.packs(), u, rest_density_, energies);
+    kernels_.energy(*material_, *packs_, 0, packs_->packs(), u, rest_density_, energies);
     sums->energy += energies[0];
     sums->scale += energies[1];
     sums->stiffness += mean_stiffness_ * volume_;
@@ -34,18 +39,18 @@ class ElasticTerm final : public Term {
 
   void add_energy_changes(const double *u, std::size_t, int directions, const double *const *d,
                           int points, const double *coefficients, double *changes) const override {
-    kernels_.energy_changes(*material_, packs_, 0, packs_.packs(), u, directions, d, points,
+    kernels_.energy_changes(*material_, *packs_, 0, packs_->packs(), u, directions, d, points,
                             coefficients, changes);
   }
 
   void add_gradient(const double *u, double *gradient) const override {
-    kernels_.forces(*material_, packs_, 0, packs_.packs(), u, gradient);
+    kernels_.forces(*material_, *packs_, 0, packs_->packs(), u, gradient);
   }
 
-  [[nodiscard]] const Tet4Packs *packs() const override { return &packs_; }
+  [[nodiscard]] const Tet4Packs *packs() const override { return packs_.get(); }
 
   void reduced_hessians(PetscInt first, PetscInt count, const double *u, double *K) const override {
-    kernels_.reduced_hessians(*material_, packs_, first, count, u, K);
+    kernels_.reduced_hessians(*material_, *packs_, first, count, u, K);
   }
 
   PetscErrorCode add_hessian(const double *u, ElementHessianSink &sink) const override {
@@ -74,7 +79,14 @@ class ElasticTerm final : public Term {
     });
   }
 
-  [[nodiscard]] double bytes() const override { return packs_.bytes(); }
+  [[nodiscard]] std::unique_ptr<Term> spreading(Spreading kind) const override {
+    return std::make_unique<ElasticTerm>(
+        mesh_, packs_,
+        kind == Spreading::harmonic ? make_material_model(HarmonicSpreading(mean_stiffness_))
+                                    : make_material_model(RigidSpreading(mean_stiffness_)));
+  }
+
+  [[nodiscard]] double bytes() const override { return packs_->bytes(); }
 
  private:
   /// Local number of component i of corner a of cell c.
@@ -100,7 +112,7 @@ class ElasticTerm final : public Term {
 
   const Mesh &mesh_;
   std::unique_ptr<MaterialModel> material_;
-  Tet4Packs packs_;
+  std::shared_ptr<const Tet4Packs> packs_;
   Tet4Kernels kernels_ = tet4_kernels();
   double rest_density_ = 0, mean_stiffness_ = 0, volume_ = 0;
 };

@@ -2,6 +2,8 @@
 
 #include <petscsys.h>
 
+#include <memory>
+
 namespace trefoil {
 
 struct Mesh;
@@ -23,6 +25,9 @@ struct EnergySums {
   double scale = 0;      ///< sum of |psi - psi(I)| V, or the work of a load: free of rest offsets
   double stiffness = 0;  ///< energy of a strain of order one: what rounding is small against
 };
+
+/// Energies that spread prescribed displacements over a body, see material/spreading.hpp.
+enum class Spreading { harmonic, rigid };
 
 /// One summand of a scene's energy. A scene lists its terms; a term it does not name is never made.
 /// Displacements u and forces are local arrays, 3 numbers a local vertex, ghosts included.
@@ -49,6 +54,8 @@ class Term {
   virtual void describe_cells(const double *u, double *determinant, double *energy_density) const {
     static_cast<void>(u), static_cast<void>(determinant), static_cast<void>(energy_density);
   }
+  /// The same elements with an energy that spreads displacements; null for terms without elements.
+  [[nodiscard]] virtual std::unique_ptr<Term> spreading(Spreading) const { return nullptr; }
   [[nodiscard]] virtual double bytes() const { return 0; }
 };
 

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <petscmat.h>
+
+#include "assembly/energy_functional.hpp"
+
+namespace trefoil {
+
+/// What a starting guess cost.
+struct GuessCost {
+  PetscInt linear_solves = 0;  ///< with scalar matrices of a third of the unknowns
+  PetscInt rotations = 0;      ///< local/global steps
+  double seconds = 0;
+};
+
+/// Spreads the prescribed displacements over the body: x, at rest, becomes their harmonic
+/// extension, and then, after each of `rotation_steps`, as rigid as possible: local/global
+/// steps of the energy sum |F - R|^2 (rotations R of the elements, then one solve with Laplace's
+/// matrix, which is factored once). Nothing is done where nothing is displaced.
+///
+/// A start for static problems with prescribed displacements; the minimum that is found from it is
+/// one of the same energy.
+/// @param H a matrix with the Hessian's pattern; its values are lost
+/// Collective. Options of the solver have the prefix guess_; direct by default.
+PetscErrorCode spread_displacements(const EnergyFunctional &functional,
+                                    const Discretization &discretization, Mat H,
+                                    PetscInt rotation_steps, Vec x, GuessCost *cost);
+
+}  // namespace trefoil
