@@ -75,7 +75,7 @@ PetscErrorCode set_default_linear_solver(SNES snes) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode set_defaults(SNES snes) {
+PetscErrorCode set_defaults(SNES snes, const SolveOutcome &outcome) {
   SolveContext *context = nullptr;
   PetscReal absolute = 0, step = 0;
   PetscInt iterations = 0, functions = 0;
@@ -86,6 +86,9 @@ PetscErrorCode set_defaults(SNES snes) {
   PetscCall(SNESSetTolerances(snes, absolute, 0, step, iterations, functions));
   PetscCall(get_solve_context(snes, &context));
   context->options.monitor = true;
+  context->options.search = "subspace";
+  context->options.trust_start = outcome.guess.linear_solves > 0 || outcome.inverted_at_start == 0;
+  context->head_start = outcome.guess.seconds;
   PetscCall(set_default_linear_solver(snes));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -131,6 +134,19 @@ PetscErrorCode solve(SNES snes, Vec x) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// The state the solve starts from, as -initial says.
+PetscErrorCode make_start(Scene &scene, SolveOutcome *outcome) {
+  const std::string &initial = scene.options.initial;
+  PetscFunctionBeginUser;
+  if (initial != "rest") {
+    PetscCall(spread_displacements(*scene.functional, scene.discretization, scene.hessian,
+                                   initial == "arap" ? scene.options.initial_steps : 0,
+                                   scene.displacement, &outcome->guess));
+  }
+  PetscCall(scene.functional->count_inverted(scene.displacement, &outcome->inverted_at_start));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 }  // namespace
 
 PetscErrorCode solve_scene(Scene &scene, SolveOutcome *outcome) {
@@ -140,9 +156,10 @@ PetscErrorCode solve_scene(Scene &scene, SolveOutcome *outcome) {
   SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
   EnergySums start, end;
   PetscFunctionBeginUser;
+  PetscCall(make_start(scene, outcome));
   PetscCall(SNESCreate(comm, &snes));
   PetscCall(scene.functional->attach(snes, scene.hessian, assembly_of(scene.options)));
-  PetscCall(set_defaults(snes));
+  PetscCall(set_defaults(snes, *outcome));
   PetscCall(SNESSetFromOptions(snes));
   PetscCall(check_solver(snes));
   PetscCall(get_solve_context(snes, &context));
@@ -150,14 +167,6 @@ PetscErrorCode solve_scene(Scene &scene, SolveOutcome *outcome) {
   context->options.record_file.clear();  // the program writes it, completed
 
   PetscCall(scene.functional->energy_at_rest(&outcome->energy_rest));
-  if (scene.options.initial != "rest") {
-    PetscCall(
-        spread_displacements(*scene.functional, scene.discretization, scene.hessian,
-                             scene.options.initial == "arap" ? scene.options.initial_steps : 0,
-                             scene.displacement, &outcome->guess));
-    context->head_start = outcome->guess.seconds;
-  }
-  PetscCall(scene.functional->count_inverted(scene.displacement, &outcome->inverted_at_start));
   PetscCall(scene.functional->energy(scene.displacement, &start));
   PetscCheck(std::isfinite(start.energy), comm, PETSC_ERR_USER_INPUT,
              "the energy of the start is not finite (%lld elements are inverted); check the "

@@ -16,6 +16,7 @@ struct IterationRecord {
   double rho = none;          ///< trust-region ratio of the step taken
   double step = 0;            ///< step length taken along the direction; 0: none
   int trials = 0;             ///< energies evaluated at trial points
+  int corrections = 0;        ///< further directions from the same factors
   double decrement = none;    ///< |g'd| / 2 of the full direction d, energy units
   double indefinite = 0;      ///< share of the elements with a negative eigenvalue, 0..1
   int linear_iterations = 0;  ///< of the Krylov solver

@@ -41,7 +41,7 @@ PetscErrorCode record_foreign_iteration(SolveContext &context, Vec x) {
   KSP ksp = nullptr;
   Vec residual = nullptr;
   IterationRecord &current = context.current;
-  const double seconds = (context.head_start + context.clock.elapsed());
+  const double seconds = context.head_start + context.clock.elapsed();
   PetscFunctionBeginUser;
   if (current.k > 0) {
     SNESLineSearch search = nullptr;
@@ -140,6 +140,7 @@ PetscErrorCode compute_filtered_jacobian(SNES snes, Vec x, Mat J, Mat H, void *c
   PetscCallMPI(MPI_Barrier(comm));  // or waiting for each other would count as solving, too
   context.clock.switch_to(Phase::linear_solve);
   context.clock.move(Phase::assembly, Phase::filter, filter_seconds);
+  ++context.summary.iterations;
   ++context.summary.linear_solves;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -17,6 +17,7 @@ struct Line {
   /// The boundary values that the host lifts are not met at x: its residual is no gradient there.
   bool lifted = false;
   double energy = 0, slope = 0;  ///< f(x), g(x)'d
+  double share = 1;              ///< of the linear solver's direction in d, which may be steered
   double step = 0, trial_energy = 0;
   double trial_slope = 0;  ///< g(x + s d)'d, once known
   bool trial_residual_known = false;
@@ -34,7 +35,40 @@ PetscErrorCode evaluate_trial_residual(SolveContext &context, Line &line);
 /// Collective.
 PetscErrorCode energy_change(SolveContext &context, Line &line, double predicted, double *change);
 
-PetscErrorCode steer_direction(SolveContext &context, Line &line, bool *steered);
+/// Backtracks from `first_step` until the energy has decreased enough; infinite or undefined
+/// energies count as no decrease. A step that only meets lifted boundary values is not judged.
+/// Collective.
+PetscErrorCode backtrack(SolveContext &context, Line &line, double first_step, PetscInt most_trials,
+                         bool *accepted);
+
+/// u'Hu of the unfiltered Hessian for the full direction d; the Mats still hold it at the old x.
+/// Collective.
+PetscErrorCode unfiltered_curvature(SolveContext &context, const Line &line, Vec work,
+                                    double *curvature);
+
+/// How well the unfiltered quadratic model at x predicted the energy of the step taken. Collective.
+PetscErrorCode trust_region_ratio(SolveContext &context, Line &line, double curvature, double *rho);
+
+/// Goes to the accepted trial: x, energy, residual and the norms that SNES asks for. Collective.
+PetscErrorCode take_step(SolveContext &context, SNESLineSearch search, Line &line);
+/// Goes back to x, after trials that were all refused. Collective.
+PetscErrorCode stay(SolveContext &context, const Line &line);
+
+/// Whether this iteration searches the plane of the direction and the previous step: with search
+/// `subspace`, and once the quadratic model can be trusted. From a start with crushed elements the
+/// plane's minimum keeps some of them so, in another minimum of the energy than the best (measured
+/// on the paper's scenes); there backtracking goes first, until |rho - 1| <
+/// -snes_trefoil_rho_tolerance.
+bool searches_plane(SolveContext &context, const Line &line);
+
+/// Turns the direction d towards the energy's minimum in the plane of d and the previous step, so
+/// that a full step reaches it; leaves it where the plane holds nothing better. Collective.
+PetscErrorCode steer_direction(SolveContext &context, Line &line);
+
+/// Corrects the step taken: up to -snes_trefoil_corrections further directions from the factors of
+/// the same Jacobian, at the gradient where the last one led, each searched in the plane with the
+/// step before. A factorisation costs many solves, so these directions are nearly free. Collective.
+PetscErrorCode correct_step(SolveContext &context, SNESLineSearch search, Line &line);
 
 /// Whether the direction still moves unknowns whose rows of H are but a diagonal: Dirichlet values
 /// that a host enforces by the first step. Collective.

@@ -7,11 +7,13 @@
      rho = (f(x) - f(x + u)) / -(g'u + u'Hu/2),   u = s d                 (trust-region ratio)
 
    with u'Hu = u'(H + 2 w N) u - 2 w u'N u: the unfiltered model costs two products, no assembly.
+
+   With -snes_trefoil_search subspace the search begins at the energy's minimum in the plane of d
+   and the previous step, and the step is corrected by further directions from the same factors.
 */
 #include <petsc/private/linesearchimpl.h>
 #include <petsc/private/snesimpl.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include "petsc_compatibility.hpp"
@@ -19,59 +21,6 @@
 
 namespace trefoil {
 namespace {
-
-/// Backtracks from `first_step` until the energy has decreased enough; infinite or undefined
-/// energies count as no decrease. A step that only meets lifted boundary values is not judged.
-PetscErrorCode backtrack(SolveContext &context, Line &line, double first_step, PetscInt most_trials,
-                         bool *accepted) {
-  const SolverOptions &options = context.options;
-  double step = first_step;
-  PetscFunctionBeginUser;
-  *accepted = false;
-  for (line.trials = 1; line.trials <= most_trials; ++line.trials) {
-    bool finite = false;
-    PetscCall(evaluate_trial(context, line, step, &finite));
-    if (finite) {
-      double change = 0;
-      PetscCall(energy_change(context, line, step * line.slope, &change));
-      *accepted = line.lifted || change <= options.armijo * step * line.slope;
-      if (*accepted) PetscFunctionReturn(PETSC_SUCCESS);
-    }
-    step *= options.shrink;
-  }
-  line.trials = static_cast<int>(most_trials);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/// u'Hu of the unfiltered Hessian for the full direction d; the Mats still hold it at the old x.
-PetscErrorCode unfiltered_curvature(SolveContext &context, const Line &line, Vec work,
-                                    double *curvature) {
-  Mat filtered = nullptr;
-  PetscScalar product = 0;
-  PetscFunctionBeginUser;
-  PetscCall(SNESGetJacobian(context.snes, nullptr, &filtered, nullptr, nullptr));
-  PetscCall(MatMult(filtered, line.minus_d, work));
-  PetscCall(VecDot(work, line.minus_d, &product));
-  *curvature = PetscRealPart(product);
-  if (context.negative_present) {
-    PetscCall(MatMult(context.negative, line.minus_d, work));
-    PetscCall(VecDot(work, line.minus_d, &product));
-    *curvature -= 2 * context.current.weight * PetscRealPart(product);
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/// How well the unfiltered quadratic model at x predicted the energy of the step taken.
-PetscErrorCode trust_region_ratio(SolveContext &context, Line &line, double curvature,
-                                  double *rho) {
-  const double s = line.step;
-  const double predicted = s * line.slope + 0.5 * s * s * curvature;
-  double change = 0;
-  PetscFunctionBeginUser;
-  PetscCall(energy_change(context, line, predicted, &change));
-  *rho = predicted != 0 ? change / predicted : IterationRecord::none;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
 
 /// Ends the solve with `reason`, x as it is, and closes the history.
 PetscErrorCode finish(SolveContext &context, SNESLineSearch search, SNESConvergedReason reason) {
@@ -81,31 +30,6 @@ PetscErrorCode finish(SolveContext &context, SNESLineSearch search, SNESConverge
       search, reason > 0 ? SNES_LINESEARCH_SUCCEEDED : SNES_LINESEARCH_FAILED_REDUCT));
   context.history.push_back(context.current);
   PetscCall(monitor_iteration(context, context.current));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/// Goes to the accepted trial: x, energy, residual and the norms that SNES asks for.
-PetscErrorCode take_step(SolveContext &context, SNESLineSearch search, Line &line) {
-  PetscBool changed_direction = PETSC_FALSE, changed_point = PETSC_FALSE;
-  PetscFunctionBeginUser;
-  PetscCall(SNESLineSearchPostCheck(search, line.x, line.minus_d, line.trial, &changed_direction,
-                                    &changed_point));
-  if (changed_direction && !changed_point) {
-    PetscCall(VecWAXPY(line.trial, -line.step, line.minus_d, line.x));
-  }
-  if (changed_direction || changed_point) line.trial_residual_known = false;
-  PetscCall(evaluate_trial_residual(context, line));
-  PetscCall(VecCopy(line.trial, line.solution));
-  PetscCall(VecCopy(line.trial_residual, line.residual));
-  if (!changed_direction && !changed_point) {
-    PetscCall(remember_energy(context, line.solution, line.trial_energy));
-  }
-  PetscCall(SNESLineSearchSetLambda(search, line.step));
-  PetscCall(SNESLineSearchComputeNorms(search));
-  // SNES wants the norm of the step taken, not of the full direction.
-  PetscReal x_norm = 0, residual_norm = 0, d_norm = 0;
-  PetscCall(SNESLineSearchGetNorms(search, &x_norm, &residual_norm, &d_norm));
-  PetscCall(SNESLineSearchSetNorms(search, x_norm, residual_norm, line.step * d_norm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -158,12 +82,14 @@ static PetscErrorCode open_line(SolveContext &context, SNESLineSearch search, Li
   current.rho = IterationRecord::none;
   current.step = 0;
   current.trials = 0;
-  current.seconds = (context.head_start + context.clock.elapsed());
+  current.corrections = 0;
+  current.seconds = context.head_start + context.clock.elapsed();
   PetscCall(VecNorm(line.residual, NORM_2, &current.gradient_norm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// Searches, takes the step found, and closes the iteration with its trust-region ratio.
+/// Searches, takes the step found, corrects it where the search does that, and closes the iteration
+/// with its trust-region ratio.
 static PetscErrorCode search_and_step(SolveContext &context, SNESLineSearch search, Line &line) {
   IterationRecord &current = context.current;
   PetscInt most_trials = 0;
@@ -175,27 +101,21 @@ static PetscErrorCode search_and_step(SolveContext &context, SNESLineSearch sear
   PetscCall(SNESLineSearchGetTolerances(search, nullptr, nullptr, nullptr, nullptr, nullptr,
                                         &most_trials));
   PetscCall(SNESLineSearchGetDamping(search, &first_step));
-  bool steered = false;
-  if (context.options.search == "subspace" && !line.lifted) {
-    PetscCall(steer_direction(context, line, &steered));
-  }
+  const bool in_plane = searches_plane(context, line);
+  if (in_plane) PetscCall(steer_direction(context, line));
   PetscCall(unfiltered_curvature(context, line, line.point, &curvature));
   PetscCall(backtrack(context, line, first_step, most_trials, &accepted));
   current.trials = line.trials;
   if (!accepted) {
     context.summary.reason = "no step along the direction decreases the energy";
-    PetscCall(VecCopy(line.x, line.solution));
-    PetscCall(remember_energy(context, line.solution, line.energy));
+    PetscCall(stay(context, line));
     PetscCall(finish(context, search, SNES_DIVERGED_LINE_SEARCH));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  current.step = line.step;
+  current.step = line.share * line.step;
   if (!line.lifted) PetscCall(trust_region_ratio(context, line, curvature, &current.rho));
   PetscCall(take_step(context, search, line));
-  if (context.options.search == "subspace") {
-    PetscCall(VecWAXPY(context.previous_step, -1, line.x, line.solution));
-    context.previous_step_known = true;
-  }
+  if (in_plane) PetscCall(correct_step(context, search, line));
   context.history.push_back(current);
   PetscCall(monitor_iteration(context, current));
   PetscFunctionReturn(PETSC_SUCCESS);

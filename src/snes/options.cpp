@@ -11,9 +11,10 @@ namespace trefoil {
 namespace {
 
 // Every option of ours; what is not here is misspelt.
-constexpr std::array<const char *, 10> known_options{
-    "filter",           "rho_tolerance", "weight", "search", "decrement_tolerance",
-    "energy_tolerance", "monitor",       "record", "strict", "fields"};
+constexpr std::array<const char *, 13> known_options{
+    "filter",           "rho_tolerance",   "weight",     "search", "decrement_tolerance",
+    "energy_tolerance", "monitor",         "record",     "strict", "fields",
+    "corrections",      "correction_gain", "trust_start"};
 
 std::string join(const std::vector<std::string> &words) {
   std::ostringstream text;
@@ -64,6 +65,10 @@ PetscErrorCode check_values(const SolverOptions &options, MPI_Comm comm) {
              options.rule.rho_tolerance);
   PetscCheck(options.rule.weight >= 0, comm, PETSC_ERR_USER_INPUT,
              "-snes_trefoil_weight is %g and must not be negative", options.rule.weight);
+  PetscCheck(options.corrections >= 0 && options.correction_gain >= 0, comm, PETSC_ERR_USER_INPUT,
+             "-snes_trefoil_corrections (%d) and -snes_trefoil_correction_gain (%g) must not be "
+             "negative",
+             options.corrections, options.correction_gain);
   PetscCheck(options.decrement_tolerance >= 0 && options.energy_tolerance >= 0, comm,
              PETSC_ERR_USER_INPUT,
              "the tolerances -snes_trefoil_decrement_tolerance (%g) and "
@@ -83,6 +88,9 @@ PetscErrorCode set_options(SolveContext &context) {
   PetscBool strict = options.strict ? PETSC_TRUE : PETSC_FALSE;
   PetscReal rho_tolerance = options.rule.rho_tolerance, weight = options.rule.weight;
   PetscReal decrement = options.decrement_tolerance, energy = options.energy_tolerance;
+  PetscReal gain = options.correction_gain;
+  PetscInt corrections = options.corrections;
+  PetscBool trust_start = options.trust_start ? PETSC_TRUE : PETSC_FALSE;
   PetscReal shrink = options.shrink, armijo = options.armijo;
   PetscOptions database = nullptr;
   const char *prefix = nullptr;
@@ -104,9 +112,20 @@ PetscErrorCode set_options(SolveContext &context) {
   PetscCall(PetscOptionsReal("-snes_trefoil_weight",
                              "constant: w of H + 2 w N; 0 Newton, 0.5 clamp, 1 absolute", "",
                              weight, &weight, &constant_weight));
-  PetscCall(PetscOptionsString("-snes_trefoil_search", "Search along the direction: armijo", "",
-                               options.search.c_str(), search.data(), search.size(), &found));
+  PetscCall(PetscOptionsString("-snes_trefoil_search",
+                               "Search: armijo, along the direction; subspace, in the plane of it "
+                               "and the previous step, with corrections",
+                               "", options.search.c_str(), search.data(), search.size(), &found));
   if (found) options.search = search.data();
+  PetscCall(PetscOptionsInt("-snes_trefoil_corrections",
+                            "subspace: most further directions from the same factors", "",
+                            corrections, &corrections, nullptr));
+  PetscCall(PetscOptionsReal("-snes_trefoil_correction_gain",
+                             "subspace: least share of the first step's decrease to go on", "",
+                             gain, &gain, nullptr));
+  PetscCall(PetscOptionsBool("-snes_trefoil_trust_start",
+                             "subspace: from the first iteration; false: once |rho - 1| is small",
+                             "", trust_start, &trust_start, nullptr));
   PetscCall(
       PetscOptionsReal("-snes_trefoil_decrement_tolerance",
                        "Stop when the Newton decrement |g'd|/2 is below (energy units, 0 off)", "",
@@ -144,6 +163,9 @@ PetscErrorCode set_options(SolveContext &context) {
   options.energy_tolerance = energy;
   options.shrink = shrink;
   options.armijo = armijo;
+  options.corrections = static_cast<int>(corrections);
+  options.correction_gain = gain;
+  options.trust_start = trust_start == PETSC_TRUE;
   options.monitor = monitor == PETSC_TRUE;
   PetscCall(check_values(options, comm));
   PetscCheck(!constant_weight || options.filter == "constant", comm, PETSC_ERR_USER_INPUT,

@@ -25,6 +25,7 @@ Json iteration_json(const IterationRecord &entry) {
           {"rho", number(entry.rho)},
           {"step", entry.step},
           {"trials", entry.trials},
+          {"corrections", entry.corrections},
           {"decrement", number(entry.decrement)},
           {"gradient_norm", number(entry.gradient_norm)},
           {"indefinite", number(entry.indefinite)},
@@ -148,7 +149,7 @@ Json result_json(const SolveContext &context) {
   return {
       {"converged", context.summary.converged},
       {"reason", context.summary.reason},
-      {"iterations", context.summary.linear_solves},
+      {"iterations", context.summary.iterations},
       {"linear_solves", context.summary.linear_solves},
       {"line_search_trials", trials},
       {"energy_start", number(history.empty() ? IterationRecord::none : history.front().energy)},
@@ -172,7 +173,7 @@ PetscErrorCode close_history(SolveContext &context) {
   last.k = context.history.empty() ? 0 : context.history.back().k + 1;
   last.weight = context.current.weight;
   last.indefinite = IterationRecord::none;
-  last.seconds = (context.head_start + context.clock.elapsed());
+  last.seconds = context.head_start + context.clock.elapsed();
   PetscCall(SNESGetSolution(context.snes, &x));
   PetscCall(energy_at(context, x, &last.energy));
   PetscCall(SNESGetFunction(context.snes, &residual, nullptr, nullptr));

@@ -20,8 +20,11 @@ struct SolverOptions {
   std::string filter = "adaptive";
   RuleParameters rule;
   std::string search = "armijo";
-  double decrement_tolerance = 0;     ///< energy units; 0: off
-  double energy_tolerance = 1e-8;     ///< predicted decrease over energy scale; 0: off
+  int corrections = 5;             ///< with search `subspace`; 0: none
+  double correction_gain = 0.03;   ///< least share of the first step's decrease to go on correcting
+  bool trust_start = false;        ///< the start has no crushed elements
+  double decrement_tolerance = 0;  ///< energy units; 0: off
+  double energy_tolerance = 1e-8;  ///< predicted decrease over energy scale; 0: off
   bool energy_tolerance_set = false;  ///< by the user, so decrement_tolerance does not turn it off
   double shrink = 0.8;
   double armijo = 1e-8;
@@ -36,7 +39,8 @@ struct SolveSummary {
   bool converged = false;
   std::string reason;  ///< one phrase for people
   double energy_scale = IterationRecord::none;
-  int linear_solves = 0;
+  int iterations = 0;     ///< Jacobians that were solved with
+  int linear_solves = 0;  ///< corrections included
 };
 
 /// Everything the plugin keeps for one SNES; composed with it, so that it lives as long.
@@ -65,6 +69,7 @@ struct SolveContext {
 
   Vec previous_step = nullptr;       ///< kept for search `subspace` only
   bool previous_step_known = false;  ///< in this solve
+  bool trusted = false;              ///< the search has begun to use planes, see searches_plane()
 
   bool running = false;  ///< between the start of a solve and its end
   bool driven = false;   ///< by our line search; otherwise the Jacobian stays unfiltered
