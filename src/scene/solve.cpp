@@ -14,6 +14,15 @@ PetscErrorCode is_set(const char *option, bool *set) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// A default for one of PETSc's own options.
+PetscErrorCode set_unless_given(const char *option, const char *value) {
+  bool given = false;
+  PetscFunctionBeginUser;
+  PetscCall(is_set(option, &given));
+  if (!given) PetscCall(PetscOptionsSetValue(nullptr, option, value));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /// Whether the options leave the Jacobian as it is, so that it may be indefinite.
 PetscErrorCode jacobian_may_be_indefinite(bool *may) {
   std::array<char, 256> type{"trefoil"}, filter{"adaptive"};
@@ -26,9 +35,10 @@ PetscErrorCode jacobian_may_be_indefinite(bool *may) {
   PetscCall(PetscOptionsGetString(nullptr, nullptr, "-snes_trefoil_filter", filter.data(),
                                   filter.size(), nullptr));
   PetscCall(PetscOptionsGetReal(nullptr, nullptr, "-snes_trefoil_weight", &weight, nullptr));
-  const std::string name = filter.data();
-  *may = std::string(type.data()) != "trefoil" || name == "newton" ||
-         (name == "constant" && weight < 0.5);
+  const auto rule = make_rule(filter.data(), {});
+  *may = std::string(type.data()) != "trefoil" || !rule || rule->may_be_rejected() ||
+         std::string(filter.data()) == "newton" ||
+         (std::string(filter.data()) == "constant" && weight < 0.5);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -71,6 +81,8 @@ PetscErrorCode set_default_linear_solver(SNES snes) {
 #endif
 #if defined(PETSC_HAVE_MUMPS)
   PetscCall(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
+  // Negative pivots are counted, also those of the root, which several ranks would share.
+  if (may_be_indefinite) PetscCall(set_unless_given("-mat_mumps_icntl_13", "1"));
 #endif
   PetscFunctionReturn(PETSC_SUCCESS);
 }

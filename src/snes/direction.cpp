@@ -32,28 +32,88 @@ PetscErrorCode negative_pivots(SNES snes, PetscInt *count) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-}  // namespace
+enum class Verdict { good, not_finite, indefinite, ascends };
 
-PetscErrorCode judge_direction(SolveContext &context, const Line &line,
-                               SNESConvergedReason *reason) {
+/// Newton's plain direction from an indefinite Hessian may descend by luck; it is none to follow.
+PetscErrorCode judge(SolveContext &context, const Line &line, Verdict *verdict) {
   const bool unfiltered = context.current.weight < 0.5;
+  KSPConvergedReason solved = KSP_CONVERGED_ITERATING;
   PetscInt negative = -1;
+  KSP ksp = nullptr;
   PetscFunctionBegin;
-  *reason = SNES_CONVERGED_ITERATING;
-  if (!std::isfinite(line.slope) || !std::isfinite(context.current.energy)) {
-    context.summary.reason = "the energy or the direction is not finite";
-    *reason = SNES_DIVERGED_FNORM_NAN;
+  PetscCall(SNESGetKSP(context.snes, &ksp));
+  PetscCall(KSPGetConvergedReason(ksp, &solved));
+  *verdict = Verdict::good;
+  if (unfiltered && solved < 0) {
+    *verdict = Verdict::indefinite;
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  // Newton's plain direction from an indefinite Hessian may descend by luck; it is none to follow.
+  if (!std::isfinite(line.slope) || !std::isfinite(context.current.energy)) {
+    *verdict = Verdict::not_finite;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   if (unfiltered) PetscCall(negative_pivots(context.snes, &negative));
   if (negative > 0 || (line.slope > 0 && !line.lifted)) {
-    context.summary.reason =
-        unfiltered ? "the Hessian is indefinite and the filter leaves it so; filter adaptive, "
-                     "absolute or clamp do not"
-                   : "the direction ascends: the linear solve is too inexact or the residual is no "
-                     "gradient of the objective";
-    *reason = SNES_DIVERGED_LINEAR_SOLVE;
+    *verdict = unfiltered ? Verdict::indefinite : Verdict::ascends;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// The direction once more, from a Jacobian with another weight.
+PetscErrorCode replace_direction(SolveContext &context, Line &line, double weight) {
+  Mat J = nullptr, H = nullptr;
+  KSP ksp = nullptr;
+  PetscScalar slope = 0;
+  PetscInt linear_iterations = 0;
+  PetscFunctionBegin;
+  context.instead_of_rejected = weight;
+  PetscCall(SNESGetJacobian(context.snes, &J, &H, nullptr, nullptr));
+  PetscCall(SNESComputeJacobian(context.snes, line.solution, J, H));
+  context.instead_of_rejected.reset();
+  PetscCall(SNESGetKSP(context.snes, &ksp));
+  PetscCall(KSPSetOperators(ksp, J, H));
+  PetscCall(KSPSolve(ksp, line.residual, line.minus_d));
+  PetscCall(KSPGetIterationNumber(ksp, &linear_iterations));
+  PetscCall(VecDot(line.residual, line.minus_d, &slope));
+  context.clock.switch_to(Phase::line_search);
+  line.slope = -PetscRealPart(slope);
+  context.current.decrement = std::abs(line.slope) / 2;
+  context.current.linear_iterations = static_cast<int>(linear_iterations);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+}  // namespace
+
+PetscErrorCode judge_direction(SolveContext &context, Line &line, SNESConvergedReason *reason) {
+  Verdict verdict = Verdict::good;
+  PetscFunctionBegin;
+  *reason = SNES_CONVERGED_ITERATING;
+  PetscCall(judge(context, line, &verdict));
+  while (verdict == Verdict::indefinite && !line.lifted) {
+    const std::optional<double> weight = context.rule->rejected(context.current);
+    if (!weight) break;
+    PetscCall(replace_direction(context, line, *weight));
+    PetscCall(judge(context, line, &verdict));
+  }
+  switch (verdict) {
+    case Verdict::good:
+      break;
+    case Verdict::not_finite:
+      context.summary.reason = "the energy or the direction is not finite";
+      *reason = SNES_DIVERGED_FNORM_NAN;
+      break;
+    case Verdict::indefinite:
+      context.summary.reason =
+          "the Hessian is indefinite and the filter leaves it so; filter adaptive, absolute or "
+          "clamp do not";
+      *reason = SNES_DIVERGED_LINEAR_SOLVE;
+      break;
+    case Verdict::ascends:
+      context.summary.reason =
+          "the direction ascends: the linear solve is too inexact or the residual is no gradient "
+          "of the objective";
+      *reason = SNES_DIVERGED_LINEAR_SOLVE;
+      break;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -66,6 +66,7 @@ PetscErrorCode record_foreign_iteration(SolveContext &context, Vec x) {
 /// The rule's weight for the iteration that begins; 0 where somebody else drives.
 double choose_weight(SolveContext &context) {
   if (!context.driven) return 0;
+  if (context.instead_of_rejected) return *context.instead_of_rejected;
   return context.history.empty() ? context.rule->first()
                                  : context.rule->next(context.history.back());
 }
@@ -85,7 +86,9 @@ PetscErrorCode split_jacobian(SolveContext &context, Vec x, Mat H, bool filtered
   *filter_seconds = mine.filter_seconds;
   // Direct solvers may then use Cholesky factors; set after assembly, or PETSc forgets it.
   PetscCall(MatSetOption(H, MAT_SYMMETRIC, PETSC_TRUE));
-  PetscCall(MatSetOption(H, MAT_SPD, context.current.weight >= 0.5 ? PETSC_TRUE : PETSC_FALSE));
+  // MUMPS keeps to what the first matrix was: a rule that may meet indefinite ones never says SPD.
+  const bool definite = context.current.weight >= 0.5 && !context.rule->may_be_rejected();
+  PetscCall(MatSetOption(H, MAT_SPD, definite ? PETSC_TRUE : PETSC_FALSE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -140,7 +143,7 @@ PetscErrorCode compute_filtered_jacobian(SNES snes, Vec x, Mat J, Mat H, void *c
   PetscCallMPI(MPI_Barrier(comm));  // or waiting for each other would count as solving, too
   context.clock.switch_to(Phase::linear_solve);
   context.clock.move(Phase::assembly, Phase::filter, filter_seconds);
-  ++context.summary.iterations;
+  if (!context.instead_of_rejected) ++context.summary.iterations;
   ++context.summary.linear_solves;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

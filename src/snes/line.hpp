@@ -75,8 +75,8 @@ PetscErrorCode correct_step(SolveContext &context, SNESLineSearch search, Line &
 PetscErrorCode moves_boundary_values(Mat H, Vec direction, bool *moves);
 
 /// Whether the direction may be searched along: finite, descending, and not from an indefinite
-/// Hessian. Otherwise the reason to end the solve; the summary says it in words. Collective.
-PetscErrorCode judge_direction(SolveContext &context, const Line &line,
-                               SNESConvergedReason *reason);
+/// Hessian. Where the rule knows another weight for an indefinite one, the direction is replaced.
+/// Otherwise the reason to end the solve; the summary says it in words. Collective.
+PetscErrorCode judge_direction(SolveContext &context, Line &line, SNESConvergedReason *reason);
 
 }  // namespace trefoil

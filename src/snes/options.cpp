@@ -172,6 +172,10 @@ PetscErrorCode set_options(SolveContext &context) {
              "-snes_trefoil_weight is for -snes_trefoil_filter constant; the filter is '%s'",
              options.filter.c_str());
   context.rule = make_rule(options.filter, options.rule);
+  // A factorisation that fails is an answer to such a rule, not the end of the solve.
+  if (context.rule->may_be_rejected()) {
+    PetscCall(SNESSetMaxLinearSolveFailures(context.snes, PETSC_MAX_INT));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -10,9 +10,15 @@ using Registry = std::vector<std::pair<std::string, RuleFactory>>;
 
 // A new rule of ours is one file and one line here.
 const Registry own_rules{
-    {"newton", make_newton_rule},     {"clamp", make_clamp_rule},
-    {"absolute", make_absolute_rule}, {"adaptive", make_adaptive_rule},
+    {"newton", make_newton_rule},
+    {"clamp", make_clamp_rule},
+    {"absolute", make_absolute_rule},
+    {"adaptive", make_adaptive_rule},
     {"constant", make_constant_rule},
+    {"on_demand", make_on_demand_rule},
+    {"blend", make_blend_rule},
+    {"three_state", make_three_state_rule},
+    {"multiplicative", make_multiplicative_rule},
 };
 
 Registry &registry() {

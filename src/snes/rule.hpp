@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,11 @@ class Rule {
   virtual double first() = 0;
   /// The weight of the iteration after `last`, whose step has been taken.
   virtual double next(const IterationRecord &last) = 0;
+  /// Whether it chooses weights with which the Jacobian may be indefinite, and knows what then.
+  [[nodiscard]] virtual bool may_be_rejected() const { return false; }
+  /// The weight to try instead of that of the iteration under way, whose Jacobian turned out to be
+  /// indefinite; none: the solve ends there.
+  virtual std::optional<double> rejected(const IterationRecord &) { return std::nullopt; }
 };
 
 /// A rule by its name; null where there is none of that name.
@@ -45,5 +51,9 @@ std::unique_ptr<Rule> make_clamp_rule(const RuleParameters &parameters);
 std::unique_ptr<Rule> make_absolute_rule(const RuleParameters &parameters);
 std::unique_ptr<Rule> make_constant_rule(const RuleParameters &parameters);
 std::unique_ptr<Rule> make_adaptive_rule(const RuleParameters &parameters);
+std::unique_ptr<Rule> make_on_demand_rule(const RuleParameters &parameters);
+std::unique_ptr<Rule> make_blend_rule(const RuleParameters &parameters);
+std::unique_ptr<Rule> make_three_state_rule(const RuleParameters &parameters);
+std::unique_ptr<Rule> make_multiplicative_rule(const RuleParameters &parameters);
 
 }  // namespace trefoil

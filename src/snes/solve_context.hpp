@@ -3,6 +3,7 @@
 #include <petscsnes.h>
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -48,6 +49,8 @@ struct SolveContext {
   SNES snes = nullptr;  ///< borrowed: this context belongs to it
   SolverOptions options;
   std::unique_ptr<Rule> rule;
+  /// The weight of a Jacobian that is made once more because it was indefinite.
+  std::optional<double> instead_of_rejected;
 
   Mat negative = nullptr;         ///< N, created when the first element is indefinite
   bool negative_present = false;  ///< N is part of the present Jacobian, H + 2 w N
