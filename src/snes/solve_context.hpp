@@ -21,7 +21,7 @@ struct SolverOptions {
   std::string filter = "adaptive";
   RuleParameters rule;
   std::string search = "armijo";
-  int corrections = 5;             ///< with search `subspace`; 0: none
+  int corrections = 8;             ///< with search `subspace`; 0: none
   double correction_gain = 0.03;   ///< least share of the first step's decrease to go on correcting
   bool trust_start = false;        ///< the start has no crushed elements
   double decrement_tolerance = 0;  ///< energy units; 0: off

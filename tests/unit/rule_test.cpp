@@ -74,7 +74,8 @@ TEST(RuleRegistryTest, KnowsTheRulesOfTheContractOnce) {
   const std::vector<std::string> listed = rule_names();
   const std::set<std::string> names(listed.begin(), listed.end());
   EXPECT_EQ(names.size(), listed.size());
-  for (const char *name : {"newton", "clamp", "absolute", "adaptive", "constant"})
+  for (const char *name : {"newton", "clamp", "absolute", "adaptive", "constant", "on_demand",
+                           "blend", "three_state", "multiplicative"})
     EXPECT_EQ(names.count(name), 1u) << name;
 }
 
@@ -138,6 +139,92 @@ INSTANTIATE_TEST_SUITE_P(Tolerances, AdaptiveToleranceTest,
 TEST(AdaptiveRuleTest, ToleranceZeroIsAlwaysAbsolute) {
   const auto rule = make_rule("adaptive", {0, 1});
   EXPECT_EQ(weights_of_a_solve(*rule, {1, 1, 1}), std::vector<double>(4, absolute));
+}
+
+/// The record of an iteration whose Jacobian turned out to be indefinite.
+IterationRecord refused_with(double weight, double decrement = 1) {
+  IterationRecord record;
+  record.weight = weight;
+  record.decrement = decrement;
+  return record;
+}
+
+TEST_P(RuleTest, ADefiniteWeightIsNeverReplaced) {
+  const auto rule = make_rule(GetParam(), {});
+  rule->first();
+  for (const double weight : {0.5, 1.0, 3.0}) {
+    EXPECT_FALSE(rule->rejected(refused_with(weight)).has_value());
+  }
+  if (!rule->may_be_rejected()) {
+    EXPECT_FALSE(rule->rejected(refused_with(0)).has_value());
+  }
+}
+
+TEST_P(RuleTest, RejectionsComeToAnEndAtClampAtMost) {
+  const auto rule = make_rule(GetParam(), {});
+  if (!rule->may_be_rejected()) GTEST_SKIP() << "never rejected";
+  rule->first();
+  double weight = 0.125;
+  for (int tries = 0; weight < clamp; ++tries) {
+    ASSERT_LT(tries, 10);
+    const auto other = rule->rejected(refused_with(weight));
+    ASSERT_TRUE(other.has_value());
+    EXPECT_GT(*other, weight);
+    weight = *other;
+  }
+  EXPECT_EQ(weight, clamp);
+}
+
+TEST(OnDemandRuleTest, TriesNewtonAndThenClamps) {
+  const auto rule = make_rule("on_demand", {});
+  EXPECT_EQ(weights_of_a_solve(*rule, {1, 0.2, not_a_number}), std::vector<double>(4, 0.0));
+  EXPECT_EQ(rule->rejected(refused_with(0)), clamp);
+}
+
+TEST(BlendRuleTest, GoesFromClampToAbsolute) {
+  const auto rule = make_rule("blend", {0.25, 1});
+  EXPECT_EQ(weights_of_a_solve(*rule, {1, 1.25, 0.75, 1.75, not_a_number}),
+            (std::vector<double>{1, 0.5, 0.75, 0.75, 0.875, 1}));
+  EXPECT_EQ(make_rule("blend", {0, 1})->next(step_with(1)), 0.5);  // 0/0 of the formula
+}
+
+IterationRecord trusted_with(double weight, double decrement) {
+  IterationRecord record = step_with(1);
+  record.weight = weight;
+  record.decrement = decrement;
+  return record;
+}
+
+TEST(ThreeStateRuleTest, DropsTheFilterAfterAGoodClampedStep) {
+  const auto rule = make_rule("three_state", {});
+  EXPECT_EQ(rule->first(), absolute);
+  EXPECT_EQ(rule->next(trusted_with(absolute, 1)), clamp);
+  EXPECT_EQ(rule->next(trusted_with(clamp, 1)), 0);
+  EXPECT_EQ(rule->next(trusted_with(0, 1)), 0);
+  EXPECT_EQ(rule->next(step_with(2)), absolute);
+}
+
+TEST(ThreeStateRuleTest, IsPatientAfterARejection) {
+  const auto rule = make_rule("three_state", {});
+  rule->first();
+  EXPECT_EQ(rule->rejected(refused_with(0, 1.0)), clamp);
+  EXPECT_EQ(rule->next(trusted_with(clamp, 0.5)), clamp);
+  EXPECT_EQ(rule->next(trusted_with(clamp, 0.02)), clamp);
+  EXPECT_EQ(rule->next(trusted_with(clamp, 0.005)), 0);
+}
+
+TEST(MultiplicativeRuleTest, HalvesAndDoublesWithinItsBounds) {
+  const auto rule = make_rule("multiplicative", {});
+  double weight = rule->first();
+  EXPECT_EQ(weight, 1);
+  for (const double expected : {0.5, 0.25, 0.125, 0.125}) {
+    EXPECT_EQ(weight = rule->next(trusted_with(weight, 1)), expected);
+  }
+  for (const double expected : {0.25, 0.5, 1., 2., 4., 4.}) {
+    IterationRecord poor = step_with(2);
+    poor.weight = weight;
+    EXPECT_EQ(weight = rule->next(poor), expected);
+  }
 }
 
 }  // namespace

@@ -1,0 +1,188 @@
+// Search `subspace`: minima, descent, what it costs, and when it begins. Needs petsc_main.cpp.
+
+#include "plugin_fixture.hpp"
+
+namespace trefoil::test {
+namespace {
+
+/// The callback for many energies at once, as a host would write it for the chain.
+PetscErrorCode chain_energy_changes(SNES, Vec x, PetscInt directions, const Vec d[],
+                                    PetscInt points, const PetscReal coefficients[],
+                                    PetscReal changes[], void *ctx) {
+  auto &chain = *static_cast<Chain *>(ctx);
+  std::vector<double> at, direction[2];
+  PetscFunctionBeginUser;
+  PetscCall(whole(x, &at));
+  for (PetscInt k = 0; k < directions; ++k) PetscCall(whole(d[k], &direction[k]));
+  for (PetscInt p = 0; p < points; ++p) {
+    std::vector<double> moved = at;
+    for (PetscInt k = 0; k < directions; ++k)
+      for (std::size_t i = 0; i < moved.size(); ++i)
+        moved[i] += coefficients[directions * p + k] * direction[k][i];
+    changes[p] = chain.energy(moved) - chain.energy(at);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// A chain pulled far from where it starts.
+struct Pulled : Host {
+  explicit Pulled(const char *search, const char *prefix = nullptr)
+      : Host(std::string(prefix ? prefix : search) + "_") {
+    option("snes_trefoil_search", search);
+    option("snes_trefoil_energy_tolerance", "1e-14");
+    chain.place = 1.6;
+    option("snes_trefoil_filter", "absolute");  // slow enough to tell searches apart
+  }
+  PetscErrorCode run(bool with_callback = true) {
+    PetscFunctionBeginUser;
+    PetscCall(set_up());
+    if (with_callback) PetscCall(TrefoilSNESSetEnergyChanges(snes, chain_energy_changes, &chain));
+    PetscCall(solve(concave_start(chain)));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  [[nodiscard]] int result(const char *key) const { return record.at("result").at(key); }
+  [[nodiscard]] double energy() const { return record.at("result").at("energy"); }
+};
+
+TEST(PlaneSearchTest, FindsTheSameMinimumWithFewerJacobians) {
+  Pulled armijo("armijo"), subspace("subspace");
+  subspace.option("snes_trefoil_trust_start", "true");
+  ASSERT_EQ(armijo.run(), PETSC_SUCCESS);
+  ASSERT_EQ(subspace.run(), PETSC_SUCCESS);
+  EXPECT_GT(subspace.reason, 0);
+  EXPECT_NEAR(subspace.energy(), armijo.energy(), 1e-12 * std::abs(armijo.energy()));
+  EXPECT_LT(subspace.gradient_norm(), 1e-6);
+  EXPECT_LT(subspace.result("iterations"), armijo.result("iterations"));
+  expect_descent(subspace);
+}
+
+TEST(PlaneSearchTest, CountsItsCorrectionsAndSolves) {
+  Pulled host("subspace");
+  host.option("snes_trefoil_trust_start", "true");
+  host.option("snes_trefoil_corrections", "2");
+  host.option("snes_trefoil_correction_gain", "0");
+  ASSERT_EQ(host.run(), PETSC_SUCCESS);
+  int corrections = 0;
+  for (const auto &entry : host.history()) {
+    corrections += entry.at("corrections").get<int>();
+    EXPECT_LE(entry.at("corrections"), 2);
+  }
+  EXPECT_GT(corrections, 0);
+  EXPECT_EQ(static_cast<std::size_t>(host.result("iterations")), host.chain.calls.size());
+  EXPECT_EQ(static_cast<std::size_t>(host.result("linear_solves")), host.linear_solves.size());
+  EXPECT_GE(host.result("linear_solves"), host.result("iterations") + corrections);
+  // The factors of a correction are those of its iteration: the matrix is the same.
+  for (std::size_t k = 1; k < host.linear_solves.size(); ++k) {
+    if (k % 3 != 0 && k < static_cast<std::size_t>(3 * (host.result("iterations") - 1))) {
+      EXPECT_EQ(host.linear_solves[k].matrix, host.linear_solves[k - 1].matrix) << k;
+    }
+  }
+}
+
+TEST(PlaneSearchTest, WithoutCorrectionsSolvesOnceAnIteration) {
+  Pulled host("subspace");
+  host.option("snes_trefoil_trust_start", "true");
+  host.option("snes_trefoil_corrections", "0");
+  ASSERT_EQ(host.run(), PETSC_SUCCESS);
+  EXPECT_GT(host.reason, 0);
+  EXPECT_EQ(host.result("linear_solves"), host.result("iterations"));
+}
+
+TEST(PlaneSearchTest, BacktracksUntilTheModelIsTrusted) {
+  Pulled armijo("armijo"), careful("subspace");
+  for (Pulled *host : {&armijo, &careful}) host->option("snes_trefoil_rho_tolerance", "0");
+  ASSERT_EQ(armijo.run(), PETSC_SUCCESS);
+  ASSERT_EQ(careful.run(), PETSC_SUCCESS);
+  // |rho - 1| < 0 never holds: the same solve.
+  EXPECT_EQ(careful.solution, armijo.solution);
+  EXPECT_EQ(careful.result("linear_solves"), armijo.result("linear_solves"));
+}
+
+TEST(PlaneSearchTest, DoesWithTheObjectiveAlone) {
+  Pulled with("subspace", "with"), without("subspace", "without");
+  for (Pulled *host : {&with, &without}) host->option("snes_trefoil_trust_start", "true");
+  ASSERT_EQ(with.run(), PETSC_SUCCESS);
+  ASSERT_EQ(without.run(false), PETSC_SUCCESS);
+  EXPECT_GT(without.reason, 0);
+  EXPECT_NEAR(without.energy(), with.energy(), 1e-12 * std::abs(with.energy()));
+  expect_descent(without);
+}
+
+TEST(PlaneSearchTest, WithoutAnObjectiveIsAPlainLineSearch) {
+  Pulled armijo("armijo"), subspace("subspace");
+  for (Pulled *host : {&armijo, &subspace}) {
+    host->with_objective = false;
+    host->option("snes_trefoil_trust_start", "true");
+  }
+  ASSERT_EQ(armijo.run(), PETSC_SUCCESS);
+  ASSERT_EQ(subspace.run(), PETSC_SUCCESS);
+  EXPECT_EQ(subspace.solution, armijo.solution);
+}
+
+TEST(PlaneSearchTest, InfiniteSamplesLeaveTheDirectionAsItIs) {
+  Pulled armijo("armijo"), subspace("subspace");
+  for (Pulled *host : {&armijo, &subspace}) {
+    host->option("snes_trefoil_trust_start", "true");
+    host->option("snes_trefoil_corrections", "0");
+  }
+  const auto infinite = [](SNES, Vec, PetscInt, const Vec *, PetscInt points, const PetscReal *,
+                           PetscReal *changes, void *) {
+    std::fill_n(changes, points, std::numeric_limits<double>::infinity());
+    return static_cast<PetscErrorCode>(PETSC_SUCCESS);
+  };
+  ASSERT_EQ(armijo.run(), PETSC_SUCCESS);
+  ASSERT_EQ(subspace.set_up(), PETSC_SUCCESS);
+  ASSERT_EQ(TrefoilSNESSetEnergyChanges(subspace.snes, infinite, nullptr), PETSC_SUCCESS);
+  ASSERT_EQ(subspace.solve(concave_start(subspace.chain)), PETSC_SUCCESS);
+  EXPECT_EQ(subspace.solution, armijo.solution);
+}
+
+TEST(PlaneSearchTest, ASecondSolveKnowsNothingOfTheFirst) {
+  Pulled host("subspace");
+  host.option("snes_trefoil_trust_start", "true");
+  ASSERT_EQ(host.run(), PETSC_SUCCESS);
+  const std::vector<double> solution = host.solution;
+  const int solves = host.result("linear_solves");
+  ASSERT_EQ(host.solve(concave_start(host.chain)), PETSC_SUCCESS);
+  EXPECT_EQ(host.solution, solution);
+  EXPECT_EQ(host.result("linear_solves"), solves);
+}
+
+struct OnDemand {
+  const char *filter, *factors;
+};
+class RejectionTest : public testing::TestWithParam<OnDemand> {};
+
+// From a concave start Newton's matrix is indefinite: the rule answers with another weight.
+TEST_P(RejectionTest, AnIndefiniteJacobianIsReplaced) {
+  Host host;
+  host.option("snes_trefoil_filter", GetParam().filter);
+  host.option("snes_trefoil_energy_tolerance", "1e-14");
+  host.option("pc_type", "cholesky");
+  host.option("pc_factor_mat_solver_type", GetParam().factors);
+  ASSERT_EQ(host.set_up(), PETSC_SUCCESS);
+  ASSERT_EQ(host.solve(concave_start(host.chain)), PETSC_SUCCESS);
+  EXPECT_GT(host.reason, 0);
+  EXPECT_LT(host.gradient_norm(), 1e-6);
+  EXPECT_EQ(host.chain.indefinite(host.solution), 0);
+  expect_descent(host);
+  const int iterations = host.record.at("result").at("iterations"),
+            solves = host.record.at("result").at("linear_solves");
+  if (GetParam().filter == std::string("on_demand")) {
+    EXPECT_GT(solves, iterations);
+    EXPECT_EQ(host.history()[0].at("weight"), 0.5);
+    // Near the minimum nothing is indefinite: Newton's own matrix, and it converges as Newton does.
+    EXPECT_EQ(host.history().back().at("weight"), 0);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Rules, RejectionTest,
+                         testing::Values(OnDemand{"on_demand", "mumps"},
+                                         OnDemand{"three_state", "mumps"},
+                                         OnDemand{"multiplicative", "mumps"}),
+                         [](const auto &each) {
+                           return each.param.filter + std::string("_") + each.param.factors;
+                         });
+
+}  // namespace
+}  // namespace trefoil::test
