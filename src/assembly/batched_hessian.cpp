@@ -14,6 +14,7 @@ namespace {
 /// Packs worked on at a time: their matrices stay in the second-level cache, and the filter has
 /// enough of them to sort by the number of negative eigenvalues.
 constexpr PetscInt chunk = 64;
+static_assert(chunk % BlockSums::stretch == 0);
 
 /// Memory of one chunk.
 struct Workspace {
@@ -54,12 +55,12 @@ PetscErrorCode BatchedHessian::assemble(const Term &term, const double *u, Mat H
     const PetscInt count = std::min(chunk, tets.packs() - first);
     term.reduced_hessians(first, count, u, work.K.data());
     if (H) {
-      add_blocks(tets, first, count, work.K.data(), nullptr, direct_.places(), H_target.arrays);
+      add_blocks(direct_.sums(), first, count, work.K.data(), nullptr, H_target.arrays);
     }
     if (!filtering) continue;
     PetscCall(filter(work, count, statistics));
     if (N) {
-      add_blocks(tets, first, count, work.N.data(), work.negative.data(), direct_.places(),
+      add_blocks(direct_.sums(), first, count, work.N.data(), work.negative.data(),
                  N_target.arrays);
     }
   }

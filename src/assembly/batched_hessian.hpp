@@ -12,8 +12,8 @@ namespace trefoil {
 class BatchedHessian {
  public:
   /// Prepares for matrices with the pattern of H. Collective.
-  PetscErrorCode set_up(const Discretization &discretization, Mat H) {
-    return direct_.set_up(discretization, H);
+  PetscErrorCode set_up(const Discretization &discretization, const Term &term, Mat H) {
+    return direct_.set_up(discretization, *term.packs(), H);
   }
   [[nodiscard]] bool ready() const { return direct_.ready(); }
   [[nodiscard]] double bytes() const { return direct_.bytes(); }

@@ -5,7 +5,9 @@
 #include <petscsf.h>
 
 #include <algorithm>
+#include <limits>
 #include <numeric>
+#include <tuple>
 
 #include "petsc_compatibility.hpp"
 
@@ -13,10 +15,32 @@ namespace trefoil {
 namespace {
 
 // The arrays that BlockPlaces chooses from.
-enum Region { own_columns = 0, other_columns = 1, for_others = 2, held = 3 };
+enum Region { own_columns = 0, other_columns = 1, for_others = 2 };
 
-std::int32_t code_of(std::size_t place, Region region) {
-  return static_cast<std::int32_t>(4 * place + region);
+/// A place and its array as BlockPlace codes them.
+PetscErrorCode encode(std::size_t place, Region region, std::int32_t *code) {
+  PetscFunctionBeginUser;
+  PetscCheck(place <= std::numeric_limits<std::int32_t>::max() / 4, PETSC_COMM_SELF, PETSC_ERR_SUP,
+             "the matrix has more than 536870911 numbers on one rank; run on more ranks");
+  *code = static_cast<std::int32_t>(4 * place + region);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Any of a vertex's dofs that is free; -1 if all are held.
+template <class Dofs>
+PetscInt free_dof(const Dofs &dofs) {
+  return *std::max_element(dofs.begin(), dofs.end());
+}
+
+template <class Dofs>
+bool wholly_free(const Dofs &dofs) {
+  return *std::min_element(dofs.begin(), dofs.end()) >= 0;
+}
+
+/// By owner first.
+template <class Remote>
+auto key_of(const Remote &block) {
+  return std::make_tuple(free_dof(block.rows), block.rows, block.columns);
 }
 
 /// The parts of an AIJ matrix: own columns and, with several ranks, the others'.
@@ -67,9 +91,14 @@ PetscErrorCode DirectAssembly::find_rows(Mat matrix) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// Where the block of this rank's `row` and of `column`, both first of a vertex, begins.
-PetscErrorCode DirectAssembly::place_block(PetscInt row, PetscInt column,
-                                           std::int32_t *code) const {
+bool DirectAssembly::is_mine(const Dofs &rows) const {
+  const PetscInt row = free_dof(rows);
+  return row >= row_begin_ && row < row_end_;
+}
+
+/// Where the number of this rank's `row` and of `column` lies.
+PetscErrorCode DirectAssembly::place_number(PetscInt row, PetscInt column,
+                                            std::int32_t *code) const {
   const bool own = column >= row_begin_ && column < row_end_;
   const int p = own ? 0 : 1;
   PetscFunctionBeginUser;
@@ -83,84 +112,102 @@ PetscErrorCode DirectAssembly::place_block(PetscInt row, PetscInt column,
   const auto found = std::lower_bound(begin, end, local);
   PetscCheck(found != end && *found == local, PETSC_COMM_SELF, PETSC_ERR_PLIB,
              "the matrix has no entry (%" PetscInt_FMT ", %" PetscInt_FMT ")", row, column);
-  *code = code_of(static_cast<std::size_t>(found - column_[p].begin()),
-                  own ? own_columns : other_columns);
+  PetscCall(encode(static_cast<std::size_t>(found - column_[p].begin()),
+                   own ? own_columns : other_columns, code));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode DirectAssembly::set_up(const Discretization &discretization, Mat matrix) {
+/// Where a block goes; nowhere if all its rows or columns are held.
+PetscErrorCode DirectAssembly::place_block(const Dofs &rows, const Dofs &columns,
+                                           BlockPlace *place) {
+  PetscFunctionBeginUser;
+  *place = {};
+  if (free_dof(rows) < 0 || free_dof(columns) < 0) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!is_mine(rows)) {
+    const Remote block{rows, columns};
+    const auto found =
+        std::lower_bound(outgoing_.begin(), outgoing_.end(), block,
+                         [](const Remote &a, const Remote &b) { return key_of(a) < key_of(b); });
+    PetscCall(
+        encode(9 * static_cast<std::size_t>(found - outgoing_.begin()), for_others, &place->code));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  if (wholly_free(rows) && wholly_free(columns)) {
+    PetscCall(place_number(rows[0], columns[0], &place->code));
+    const auto &start = start_[place->code & 3];
+    const auto r = static_cast<std::size_t>(rows[0] - row_begin_);
+    place->stride = start[r + 1] - start[r];
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(encode(sums_.numbers.size() / 9, own_columns, &place->code));
+  place->stride = 0;
+  for (const PetscInt row : rows) {
+    for (const PetscInt column : columns) {
+      std::int32_t code = -1;
+      if (row >= 0 && column >= 0) PetscCall(place_number(row, column, &code));
+      sums_.numbers.push_back(code);
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// The blocks of this rank's elements whose rows others own, by owner.
+PetscErrorCode DirectAssembly::collect_remote(const Discretization &discretization) {
   const Mesh &mesh = discretization.mesh();
-  const auto &dofs = discretization.global_dofs();
+  PetscFunctionBeginUser;
+  for (std::size_t c = 0; c + 3 < mesh.cells.size(); c += 4) {
+    for (std::size_t a = 0; a < 4; ++a) {
+      const Dofs rows = discretization.dofs_of_vertex(mesh.cells[c + a]);
+      if (free_dof(rows) < 0 || is_mine(rows)) continue;
+      for (std::size_t b = 0; b < 4; ++b) {
+        const Dofs columns = discretization.dofs_of_vertex(mesh.cells[c + b]);
+        if (free_dof(columns) >= 0) outgoing_.push_back({rows, columns});
+      }
+    }
+  }
+  std::sort(outgoing_.begin(), outgoing_.end(),
+            [](const Remote &a, const Remote &b) { return key_of(a) < key_of(b); });
+  outgoing_.erase(
+      std::unique(outgoing_.begin(), outgoing_.end(),
+                  [](const Remote &a, const Remote &b) { return key_of(a) == key_of(b); }),
+      outgoing_.end());
+  outgoing_count_ = outgoing_.size();
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode DirectAssembly::set_up(const Discretization &discretization, const Tet4Packs &tets,
+                                      Mat matrix) {
   PetscFunctionBeginUser;
   PetscCall(find_rows(matrix));
-  const auto first_dof = [&](PetscInt v) { return dofs[static_cast<std::size_t>(3 * v)]; };
-  const auto is_mine = [&](PetscInt dof) { return dof >= row_begin_ && dof < row_end_; };
-
-  std::vector<Remote> outgoing;
-  for (std::size_t c = 0; c + 3 < mesh.cells.size(); c += 4) {
-    for (std::size_t a = 0; a < 4; ++a) {
-      const PetscInt row = first_dof(mesh.cells[c + a]);
-      if (row < 0 || is_mine(row)) continue;
-      for (std::size_t b = 0; b < 4; ++b) {
-        const PetscInt column = first_dof(mesh.cells[c + b]);
-        if (column >= 0) outgoing.push_back({row, column});
-      }
-    }
-  }
-  std::sort(outgoing.begin(), outgoing.end());
-  outgoing.erase(std::unique(outgoing.begin(), outgoing.end(),
-                             [](const Remote &a, const Remote &b) { return !(a < b); }),
-                 outgoing.end());
-
-  places_.code.assign(4 * mesh.cells.size(), code_of(0, held));
-  for (std::size_t c = 0; c + 3 < mesh.cells.size(); c += 4) {
-    for (std::size_t a = 0; a < 4; ++a) {
-      const PetscInt row = first_dof(mesh.cells[c + a]);
-      for (std::size_t b = 0; b < 4 && row >= 0; ++b) {
-        const PetscInt column = first_dof(mesh.cells[c + b]);
-        if (column < 0) continue;
-        std::int32_t &code = places_.code[4 * c + 4 * a + b];
-        if (is_mine(row)) {
-          PetscCall(place_block(row, column, &code));
-        } else {
-          const auto found =
-              std::lower_bound(outgoing.begin(), outgoing.end(), Remote{row, column});
-          code = code_of(9 * static_cast<std::size_t>(found - outgoing.begin()), for_others);
-        }
-      }
-    }
-  }
-  places_.stride.assign(static_cast<std::size_t>(4 * mesh.local_vertices()), 3);
-  for (PetscInt v = 0; v < mesh.local_vertices(); ++v) {
-    const PetscInt row = first_dof(v);
-    if (row < 0 || !is_mine(row)) continue;
-    for (std::size_t p = 0; p < 2; ++p) {
-      if (start_[p].empty()) continue;
-      const auto r = static_cast<std::size_t>(row - row_begin_);
-      places_.stride[4 * static_cast<std::size_t>(v) + p] = start_[p][r + 1] - start_[p][r];
-    }
-  }
-  PetscCall(connect(PetscObjectComm(reinterpret_cast<PetscObject>(matrix)), outgoing));
+  PetscCall(collect_remote(discretization));
+  const auto place = [&](PetscInt row, PetscInt column, BlockPlace *result) {
+    return place_block(discretization.dofs_of_vertex(row), discretization.dofs_of_vertex(column),
+                       result);
+  };
+  PetscCall(make_block_sums(tets, place, &sums_));
+  PetscCall(connect(PetscObjectComm(reinterpret_cast<PetscObject>(matrix))));
   for (int p = 0; p < 2; ++p) start_[p] = column_[p] = {};
   ghost_columns_ = {};
+  outgoing_ = {};
   ready_ = true;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /// Tells the owners which blocks come to them; they find the places.
-PetscErrorCode DirectAssembly::connect(MPI_Comm comm, const std::vector<Remote> &outgoing) {
+PetscErrorCode DirectAssembly::connect(MPI_Comm comm) {
   const std::size_t ranks = row_ranges_.size() - 1;
+  constexpr PetscMPIInt length = 6;  // of a block's numbers
   PetscFunctionBeginUser;
-  outgoing_count_ = outgoing.size();
   std::vector<PetscMPIInt> send(ranks, 0), receive(ranks, 0), send_at(ranks, 0),
       receive_at(ranks, 0);
-  std::vector<PetscInt> numbers;  // sorted by row, so by owner
-  for (const Remote &block : outgoing) {
-    const auto owner = std::upper_bound(row_ranges_.begin(), row_ranges_.end(), block.row) -
-                       row_ranges_.begin() - 1;
-    send[static_cast<std::size_t>(owner)] += 2;
-    numbers.push_back(block.row);
-    numbers.push_back(block.column);
+  std::vector<PetscInt> numbers;
+  for (const Remote &block : outgoing_) {
+    const auto owner =
+        std::upper_bound(row_ranges_.begin(), row_ranges_.end(), free_dof(block.rows)) -
+        row_ranges_.begin() - 1;
+    send[static_cast<std::size_t>(owner)] += length;
+    numbers.insert(numbers.end(), block.rows.begin(), block.rows.end());
+    numbers.insert(numbers.end(), block.columns.begin(), block.columns.end());
   }
   PetscCallMPI(MPI_Alltoall(send.data(), 1, MPI_INT, receive.data(), 1, MPI_INT, comm));
   std::exclusive_scan(send.begin(), send.end(), send_at.begin(), 0);
@@ -168,13 +215,11 @@ PetscErrorCode DirectAssembly::connect(MPI_Comm comm, const std::vector<Remote> 
   std::vector<PetscInt> arrived(static_cast<std::size_t>(receive_at.back() + receive.back()));
   PetscCallMPI(MPI_Alltoallv(numbers.data(), send.data(), send_at.data(), MPIU_INT, arrived.data(),
                              receive.data(), receive_at.data(), MPIU_INT, comm));
-  for (std::size_t i = 0; i < arrived.size(); i += 2) {
-    std::int32_t code = 0;
-    PetscCall(place_block(arrived[i], arrived[i + 1], &code));
-    incoming_.push_back(code);
-    const auto r = static_cast<std::size_t>(arrived[i] - row_begin_);
-    const auto &start = start_[code & 3];
-    incoming_stride_.push_back(start[r + 1] - start[r]);
+  for (std::size_t i = 0; i < arrived.size(); i += length) {
+    BlockPlace place;
+    PetscCall(place_block({arrived[i], arrived[i + 1], arrived[i + 2]},
+                          {arrived[i + 3], arrived[i + 4], arrived[i + 5]}, &place));
+    incoming_.push_back(place);
   }
   // A sender's first block lies at the owner behind those of the ranks before it.
   std::vector<PetscMPIInt> offset_at_owner(ranks, 0);
@@ -182,10 +227,10 @@ PetscErrorCode DirectAssembly::connect(MPI_Comm comm, const std::vector<Remote> 
       MPI_Alltoall(receive_at.data(), 1, MPI_INT, offset_at_owner.data(), 1, MPI_INT, comm));
   std::vector<PetscSFNode> destination;
   for (std::size_t rank = 0; rank < ranks; ++rank) {
-    for (PetscMPIInt i = 0; i < send[rank] / 2; ++i) {
+    for (PetscMPIInt i = 0; i < send[rank] / length; ++i) {
       PetscSFNode node;
       node.rank = static_cast<decltype(node.rank)>(rank);
-      node.index = offset_at_owner[rank] / 2 + i;
+      node.index = offset_at_owner[rank] / length + i;
       destination.push_back(node);
     }
   }
@@ -200,7 +245,6 @@ PetscErrorCode DirectAssembly::connect(MPI_Comm comm, const std::vector<Remote> 
 }
 
 PetscErrorCode DirectAssembly::begin(Mat matrix, Target *target) const {
-  static thread_local double nowhere[9];  // blocks of held vertices end here
   Mat parts[2];
   PetscFunctionBeginUser;
   target->matrix = matrix;
@@ -211,7 +255,6 @@ PetscErrorCode DirectAssembly::begin(Mat matrix, Target *target) const {
   }
   target->outgoing.assign(9 * outgoing_count_, 0);
   target->arrays[for_others] = target->outgoing.data();
-  target->arrays[held] = nowhere;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -224,10 +267,8 @@ PetscErrorCode DirectAssembly::end(Target *target) const {
   PetscCall(PetscSFReduceEnd(exchange_, block_type_, target->outgoing.data(), received.data(),
                              MPI_REPLACE));
   for (std::size_t block = 0; block < incoming_.size(); ++block) {
-    double *to = target->arrays[incoming_[block] & 3] + (incoming_[block] >> 2);
-    for (std::size_t i = 0; i < 3; ++i, to += incoming_stride_[block]) {
-      for (std::size_t k = 0; k < 3; ++k) to[k] += received[9 * block + 3 * i + k];
-    }
+    add_block<InstructionSet::baseline>(sums_, incoming_[block], false, &received[9 * block],
+                                        target->arrays);
   }
   PetscCall(parts_of(target->matrix, parts, nullptr));
   for (int p = 0; p < 2; ++p) {

@@ -2,6 +2,7 @@
 
 #include <petscmat.h>
 
+#include <array>
 #include <vector>
 
 #include "mesh/mesh.hpp"
@@ -46,6 +47,10 @@ class Discretization {
 
   /// Global number of each local dof, -1 where held.
   [[nodiscard]] const std::vector<PetscInt> &global_dofs() const { return global_dofs_; }
+  [[nodiscard]] std::array<PetscInt, 3> dofs_of_vertex(PetscInt local_vertex) const {
+    const PetscInt *first = &global_dofs_[static_cast<std::size_t>(3 * local_vertex)];
+    return {first[0], first[1], first[2]};
+  }
   [[nodiscard]] PetscInt total_dofs() const { return total_; }
   [[nodiscard]] PetscInt block_size() const { return block_size_; }
   [[nodiscard]] const Mesh &mesh() const { return *mesh_; }

@@ -88,15 +88,15 @@ PetscErrorCode EnergyFunctional::gradient(Vec x, Vec g) const {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// Whether the batched path serves: one term with packs, and 3 x 3 blocks.
+/// Whether the batched path serves: one term with packs.
 bool EnergyFunctional::is_batched() const {
-  return assembly_ == Assembly::split && discretization_.block_size() == 3 && terms_.size() == 1 &&
-         terms_.front()->packs();
+  return assembly_ == Assembly::split && terms_.size() == 1 && terms_.front()->packs();
 }
 
 PetscErrorCode EnergyFunctional::prepare(Mat H) {
   PetscFunctionBeginUser;
-  if (is_batched() && !batched_->ready()) PetscCall(batched_->set_up(discretization_, H));
+  if (is_batched() && !batched_->ready())
+    PetscCall(batched_->set_up(discretization_, *terms_.front(), H));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -105,7 +105,8 @@ PetscErrorCode EnergyFunctional::assemble(const PetscScalar *u, Mat H, Mat N, bo
                                           TrefoilSplitStatistics *statistics) const {
   PetscFunctionBeginUser;
   if (is_batched()) {
-    if (!batched_->ready()) PetscCall(batched_->set_up(discretization_, H ? H : N));
+    if (!batched_->ready())
+      PetscCall(batched_->set_up(discretization_, *terms_.front(), H ? H : N));
     PetscCall(batched_->assemble(*terms_.front(), u, H, N, filtering, statistics));
     PetscFunctionReturn(PETSC_SUCCESS);
   }

@@ -1,4 +1,5 @@
 // Compiled for one instruction set, see CMakeLists.txt.
+#include "element/block_sums_kernel.hpp"
 #include "element/tet4_kernels.hpp"
 
 namespace trefoil {

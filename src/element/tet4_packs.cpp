@@ -1,6 +1,7 @@
 #include "element/tet4_packs.hpp"
 
 #include <algorithm>
+#include <array>
 
 #include "element/tet4.hpp"
 #include "mesh/mesh.hpp"
@@ -19,38 +20,32 @@ Tet4Packs pack_tetrahedra(const Mesh &mesh) {
   for (std::size_t e = 0; e < packs * lanes; ++e) {
     const std::size_t pack = e / lanes, lane = e % lanes;
     const std::size_t cell = std::min(e, static_cast<std::size_t>(tets.elements) - 1);
+    const PetscInt *vertex = &mesh.cells[4 * cell];
     double corner[4][3];
+    std::array<std::size_t, 4> order{0, 1, 2, 3};
     for (std::size_t a = 0; a < 4; ++a) {
-      const PetscInt vertex = mesh.cells[4 * cell + a];
-      tets.vertices[(4 * pack + a) * lanes + lane] = vertex;
       for (std::size_t i = 0; i < 3; ++i) {
-        corner[a][i] = mesh.coordinates[static_cast<std::size_t>(3 * vertex) + i];
+        corner[a][i] = mesh.coordinates[static_cast<std::size_t>(3 * vertex[a]) + i];
       }
     }
     const Tet4 tet = Tet4::at_rest(corner);
+    std::sort(order.begin(), order.end(),
+              [&](std::size_t a, std::size_t b) { return vertex[a] < vertex[b]; });
+    for (std::size_t a = 0; a < 4; ++a) {
+      tets.vertices[(4 * pack + a) * lanes + lane] = vertex[order[a]];
+    }
     tets.volumes[pack * lanes + lane] = cell == e ? tet.volume : 0;
     for (std::size_t k = 0; k < 3; ++k) {
       for (std::size_t i = 0; i < 3; ++i) {
         double sum = 0;
-        for (int a = 0; a < 4; ++a) sum += hadamard[k][a] * tet.gradients[a][i];
+        for (std::size_t a = 0; a < 4; ++a) {
+          sum += hadamard[k][a] * tet.gradients[order[a]][i];
+        }
         tets.gradients[(9 * pack + 3 * k + i) * lanes + lane] = sum;
       }
     }
   }
   return tets;
-}
-
-AddBlocks add_blocks_kernel(InstructionSet instructions) {
-  switch (instructions) {
-#if defined(__x86_64__)
-    case InstructionSet::avx512:
-      return make_add_blocks<InstructionSet::avx512>();
-    case InstructionSet::avx2:
-      return make_add_blocks<InstructionSet::avx2>();
-#endif
-    default:
-      return make_add_blocks<InstructionSet::baseline>();
-  }
 }
 
 Tet4Kernels tet4_kernels(InstructionSet instructions) {

@@ -2,7 +2,6 @@
 
 #include <petscsystypes.h>
 
-#include <cstdint>
 #include <vector>
 
 #include "material/material_model.hpp"
@@ -20,6 +19,7 @@ struct Mesh;
 /// In the basis h_k (x) e_i an element has nine unknowns and its Hessian is 9 x 9, with the same
 /// non-zero eigenvalues as the 12 x 12 one: what is left out are the rigid translations.
 ///
+/// Corners are in the order of their vertices' numbers, whatever it is in the mesh.
 /// The last pack is filled up with copies of the last element that have no volume.
 struct Tet4Packs {
   PetscInt elements = 0;
@@ -36,27 +36,6 @@ struct Tet4Packs {
 
 /// The cells of a mesh as packs, in their order.
 Tet4Packs pack_tetrahedra(const Mesh &mesh);
-
-/// Where the 3 x 3 blocks of elements go: into up to four arrays, a block being three runs of three
-/// numbers that lie `stride` apart.
-struct BlockPlaces {
-  /// cells x 16: block (a, b) of a cell at 4 a + b. The two lowest bits choose the array, the rest
-  /// is the place of the block's first number in it.
-  std::vector<std::int32_t> code;
-  /// 4 x local vertices: distance between the rows of a block in array r for row vertex v, at
-  /// 4 v + r.
-  std::vector<std::int32_t> stride;
-};
-
-/// Expands reduced matrices of packs [first, first + count) to the elements' blocks and adds them.
-/// @param K as reduced_hessians() writes it
-/// @param chosen elements to add, by lane of the packs: those where it is positive; null: all
-/// @param arrays what BlockPlaces chooses from
-using AddBlocks = void (*)(const Tet4Packs &tets, PetscInt first, PetscInt count, const double *K,
-                           const int *chosen, const BlockPlaces &places, double *const arrays[4]);
-AddBlocks add_blocks_kernel(InstructionSet instructions = chosen_instruction_set());
-template <InstructionSet isa>
-AddBlocks make_add_blocks();
 
 /// The element's batched kernels, for packs [first, first + count). `u` and `forces` are local
 /// arrays, 3 numbers a local vertex.

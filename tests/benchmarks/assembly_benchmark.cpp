@@ -81,8 +81,8 @@ PetscErrorCode benchmark(double poisson, PetscInt resolution) {
   EnergySums sums;
   BatchedHessian batched;
   DirectAssembly direct;
-  PetscCall(batched.set_up(discretization, H));
-  PetscCall(direct.set_up(discretization, H));
+  PetscCall(batched.set_up(discretization, term, H));
+  PetscCall(direct.set_up(discretization, tets, H));
   Mat N_matrix = nullptr;
   PetscCall(MatDuplicate(H, MAT_DO_NOT_COPY_VALUES, &N_matrix));
 
@@ -132,7 +132,7 @@ PetscErrorCode benchmark(double poisson, PetscInt resolution) {
   print_part("adding H",
              seconds(
                  [&] {
-                   add_blocks(tets, 0, packs, K.data(), nullptr, direct.places(), target.arrays);
+                   add_blocks(direct.sums(), 0, packs, K.data(), nullptr, target.arrays);
                    return ok;
                  },
                  5),
@@ -140,8 +140,7 @@ PetscErrorCode benchmark(double poisson, PetscInt resolution) {
   print_part("adding N",
              seconds(
                  [&] {
-                   add_blocks(tets, 0, packs, N.data(), negative.data(), direct.places(),
-                              target.arrays);
+                   add_blocks(direct.sums(), 0, packs, N.data(), negative.data(), target.arrays);
                    return ok;
                  },
                  5),

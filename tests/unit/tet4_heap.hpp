@@ -1,0 +1,172 @@
+#pragma once
+
+// Tetrahedra of all sorts, for the tests that compare the batched kernels with the plain element.
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <vector>
+
+#include "element/block_sums.hpp"
+#include "element/tet4.hpp"
+#include "element/tet4_packs.hpp"
+#include "filter/filter.hpp"
+#include "material/stable_neo_hookean.hpp"
+#include "mesh/mesh.hpp"
+
+namespace trefoil::tet4_heap {
+
+/// A heap of unconnected tetrahedra, badly shaped ones among them, and displacements that stretch,
+/// flatten and invert them, over twelve orders of magnitude in length.
+struct Heap {
+  Mesh mesh;
+  std::vector<double> u;
+
+  [[nodiscard]] std::size_t elements() const { return mesh.cells.size() / 4; }
+  /// With the corners in the order of their vertices' numbers.
+  [[nodiscard]] Tet4 element(std::size_t e) const {
+    double corner[4][3];
+    std::copy_n(&mesh.coordinates[12 * e], 12, &corner[0][0]);
+    return Tet4::at_rest(corner);
+  }
+
+  Heap(unsigned seed, PetscInt elements) {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> uniform(-1, 1);
+    for (PetscInt e = 0; e < elements; ++e) {
+      const double length = std::pow(10.0, 6 * uniform(random));
+      const double flatness = e % 5 == 0 ? 1e-4 : 1;
+      const double pull = e % 3 == 0 ? 3 : e % 3 == 1 ? 0.1 : 1e-9;
+      double corner[4][3], volume = 0;
+      do {
+        for (auto &p : corner) {
+          for (int i = 0; i < 3; ++i) p[i] = length * uniform(random) * (i == 2 ? flatness : 1);
+        }
+        volume = Tet4::at_rest(corner).volume;
+      } while (std::abs(volume) < 1e-3 * flatness * length * length * length);
+      if (volume < 0) std::swap(corner[0], corner[1]);
+      for (int a = 0; a < 4; ++a) {
+        mesh.cells.push_back(4 * e + (a == 3 ? 3 : (a + e) % 3));  // an even permutation
+        for (int i = 0; i < 3; ++i) {
+          mesh.coordinates.push_back(corner[a][i]);
+          // Every seventh is pressed flat: all corners end at z = 0.
+          u.push_back(e % 7 == 0 && i == 2 ? -corner[a][i] : pull * length * uniform(random));
+        }
+      }
+    }
+  }
+};
+
+/// The plain element's values, element by element; matrices are 12 x 12.
+struct Plain {
+  std::vector<double> energy, forces, hessians, negatives;
+
+  Plain(const Heap &heap, const StableNeoHookean &material) {
+    forces.resize(heap.u.size());
+    for (std::size_t e = 0; e < heap.elements(); ++e) {
+      double H[144];
+      const Tet4 tet = heap.element(e);
+      const Matrix3<double> F = tet.deformation_gradient(&heap.u[12 * e]);
+      energy.push_back(material.energy_density(F) * tet.volume);
+      tet.add_force(material.stress(F), &forces[12 * e]);
+      Tangent<double> tangent;
+      material.tangent(F, tangent);
+      tet.hessian(tangent, H);
+      hessians.insert(hessians.end(), H, H + 144);
+    }
+    negatives.resize(hessians.size());
+    static_cast<void>(
+        split(12, static_cast<int>(heap.elements()), hessians.data(), negatives.data(), nullptr));
+  }
+};
+
+/// Places of blocks such that element e gets 144 numbers of its own from 144 e on, row by row, in
+/// the order of its vertices' numbers.
+inline PetscErrorCode make_single_sums(const Tet4Packs &tets, BlockSums *sums) {
+  const auto place = [](PetscInt row, PetscInt column, BlockPlace *result) {
+    *result = {4 * (144 * (row / 4) + 36 * (row % 4) + 3 * (column % 4)), 12};
+    return static_cast<PetscErrorCode>(0);
+  };
+  return make_block_sums(tets, place, sums);
+}
+
+/// Largest difference of `count` numbers, relative to `size`.
+inline double difference(const double *a, const double *b, std::size_t count, double size) {
+  double result = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!(std::abs(a[i] - b[i]) <= result)) result = std::abs(a[i] - b[i]);  // also NaN
+  }
+  return std::isfinite(result) ? result / size : std::numeric_limits<double>::infinity();
+}
+inline double largest(const double *a, std::size_t count) {
+  double result = 0;
+  for (std::size_t i = 0; i < count; ++i) result = std::max(result, std::abs(a[i]));
+  return result;
+}
+
+/// The same from the batched kernels: the reduced matrices expanded to 12 x 12.
+struct Batched {
+  double energy = 0, scale = 0;
+  std::vector<double> forces, hessians, negatives;
+  long indefinite = 0, fallbacks = 0;
+
+  Batched(const Heap &heap, const MaterialModel &material, InstructionSet instructions) {
+    const Tet4Packs tets = pack_tetrahedra(heap.mesh);
+    const Tet4Kernels kernels = tet4_kernels(instructions);
+    const auto add_blocks = add_blocks_kernel(instructions);
+    double sums[2] = {0, 0};
+    kernels.energy(material, tets, 0, tets.packs(), heap.u.data(), 0, sums);
+    energy = sums[0];
+    scale = sums[1];
+    forces.resize(heap.u.size());
+    kernels.forces(material, tets, 0, tets.packs(), heap.u.data(), forces.data());
+
+    std::vector<double> K(static_cast<std::size_t>(tets.packs()) * reduced_entries * lanes);
+    std::vector<double> N(K.size());
+    std::vector<int> negative(static_cast<std::size_t>(tets.packs()) * lanes);
+    kernels.reduced_hessians(material, tets, 0, tets.packs(), heap.u.data(), K.data());
+    ReducedSplitExperiment experiment;
+    experiment.instructions = instructions;
+    indefinite = split_reduced(static_cast<int>(tets.packs()), K.data(), N.data(), negative.data(),
+                               experiment)
+                     .indefinite;
+    fallbacks = experiment.fallbacks;
+    BlockSums places;
+    static_cast<void>(make_single_sums(tets, &places));
+    hessians.resize(144 * heap.elements(), 0);
+    negatives.resize(144 * heap.elements(), 0);
+    double *H_arrays[4] = {hessians.data()}, *N_arrays[4] = {negatives.data()};
+    add_blocks(places, 0, tets.packs(), K.data(), nullptr, H_arrays);
+    add_blocks(places, 0, tets.packs(), N.data(), negative.data(), N_arrays);
+  }
+};
+
+/// The largest over all elements, relative to the element's stiffness.
+struct Differences {
+  double force = 0, hessian = 0, negative = 0;
+
+  Differences() = default;
+  Differences(const Heap &heap, const Plain &plain, const Batched &batched) {
+    for (std::size_t e = 0; e < heap.elements(); ++e) {
+      const double *H = &plain.hessians[144 * e];
+      const double stiffness = largest(H, 144);
+      const double reach =
+          std::max(largest(&heap.u[12 * e], 12), largest(&heap.mesh.coordinates[12 * e], 12));
+      // F = I + sum u_a g_a' loses digits where its terms are larger than itself: so do both paths.
+      const Tet4 tet = heap.element(e);
+      const double amplification = 1 + reach * largest(&tet.gradients[0][0], 12);
+      const double size = stiffness * amplification;
+      include(difference(&batched.forces[12 * e], &plain.forces[12 * e], 12, size * reach),
+              difference(&batched.hessians[144 * e], H, 144, size),
+              difference(&batched.negatives[144 * e], &plain.negatives[144 * e], 144, size));
+    }
+  }
+  void include(double of_force, double of_hessian, double of_negative) {
+    force = std::max(force, of_force);
+    hessian = std::max(hessian, of_hessian);
+    negative = std::max(negative, of_negative);
+  }
+};
+
+}  // namespace trefoil::tet4_heap
