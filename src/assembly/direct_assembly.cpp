@@ -14,7 +14,7 @@
 namespace trefoil {
 namespace {
 
-// The arrays that BlockPlaces chooses from.
+// The arrays that BlockPlace chooses from.
 enum Region { own_columns = 0, other_columns = 1, for_others = 2 };
 
 /// A place and its array as BlockPlace codes them.
