@@ -85,7 +85,10 @@ struct Pack {
     Pack result;
 #if defined(__AVX512F__)
     constexpr int width = 8;
-    const auto root = [](const double *x) { return _mm512_sqrt_pd(_mm512_loadu_pd(x)); };
+    // With a mask, of all lanes, because gcc 12 warns of its own header without one.
+    const auto root = [](const double *x) {
+      return _mm512_maskz_sqrt_pd(0xff, _mm512_loadu_pd(x));
+    };
 #elif defined(__AVX__)
     constexpr int width = 4;
     const auto root = [](const double *x) { return _mm256_sqrt_pd(_mm256_loadu_pd(x)); };

@@ -2,18 +2,12 @@
 
 #include <petscsystypes.h>
 
-#include <stdexcept>
 #include <string>
 #include <vector>
 
-namespace trefoil {
+#include "input_error.hpp"
 
-/// What a user's input gets wrong, said in one sentence that names the culprit and the way out.
-/// Thrown by code that knows no PETSc; whoever calls it from PETSc turns it into a PetscError.
-class InputError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
+namespace trefoil {
 
 /// A simplicial mesh as a mesher writes it: held whole, by one rank.
 struct CellList {
