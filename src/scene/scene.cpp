@@ -4,7 +4,6 @@
 
 #include <cmath>
 
-#include "material/stable_neo_hookean.hpp"
 #include "mesh/check_mesh.hpp"
 #include "mesh/generate.hpp"
 #include "mesh/locality.hpp"
@@ -12,6 +11,7 @@
 #include "petsc_compatibility.hpp"
 #include "scene/collective_error.hpp"
 #include "scene/constraints.hpp"
+#include "scene/regions.hpp"
 #include "term/elastic_term.hpp"
 
 namespace trefoil {
@@ -80,13 +80,24 @@ PetscErrorCode load_mesh(MPI_Comm comm, const SceneOptions &options, Mesh *mesh)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// The elastic term of the material that the options name.
-std::unique_ptr<Term> make_elastic_term(const SceneOptions &options, const Mesh &mesh) {
-  const ElasticConstants constants{options.young, options.poisson};
-  const auto lame =
-      options.lame == "raw" ? StableNeoHookean::Lame::raw : StableNeoHookean::Lame::physical;
-  return std::make_unique<ElasticTerm>(mesh,
-                                       make_material_model(StableNeoHookean(constants, lame)));
+/// The elastic term of the materials that the options name. Collective.
+PetscErrorCode make_elastic_term(const SceneOptions &options, const Mesh &mesh,
+                                 std::unique_ptr<Term> *term) {
+  std::vector<std::unique_ptr<MaterialModel>> materials;
+  std::vector<int> material_of_cell;
+  PetscFunctionBeginUser;
+  if (options.regions.empty()) {
+    *term = std::make_unique<ElasticTerm>(mesh, make_material(options.material));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(assign_regions(mesh, options.regions, &material_of_cell));
+  materials.push_back(make_material(options.material));
+  for (const RegionOptions &region : options.regions) {
+    materials.push_back(make_material(region.material));
+  }
+  *term = std::make_unique<ElasticTerm>(
+      mesh, MaterialRuns(std::move(materials), std::move(material_of_cell)));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 }  // namespace
@@ -98,6 +109,7 @@ Scene::~Scene() {
 
 PetscErrorCode build_scene(MPI_Comm comm, const SceneOptions &options, Scene *scene) {
   HeldDofs held;
+  std::unique_ptr<Term> elastic;
   PetscLogDouble begin = 0, loaded = 0, end = 0;
   PetscFunctionBeginUser;
   scene->options = options;
@@ -115,7 +127,8 @@ PetscErrorCode build_scene(MPI_Comm comm, const SceneOptions &options, Scene *sc
                           "1, with which algebraic multigrid is slower\n"));
   }
   scene->functional = std::make_unique<EnergyFunctional>(scene->discretization);
-  scene->functional->add_term(make_elastic_term(options, scene->mesh));
+  PetscCall(make_elastic_term(options, scene->mesh, &elastic));
+  scene->functional->add_term(std::move(elastic));
   PetscCall(scene->discretization.create_vector(&scene->displacement));
   PetscCall(scene->discretization.create_matrix(&scene->hessian));
   if (options.assembly == "split") PetscCall(scene->functional->prepare(scene->hessian));

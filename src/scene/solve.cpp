@@ -1,6 +1,7 @@
 #include "scene/solve.hpp"
 
 #include "petsc_compatibility.hpp"
+#include "scene/start_check.hpp"
 #include "snes/solve_context.hpp"
 
 namespace trefoil {
@@ -168,10 +169,7 @@ PetscErrorCode solve_scene(Scene &scene, SolveOutcome *outcome) {
 
   PetscCall(scene.functional->energy_at_rest(&outcome->energy_rest));
   PetscCall(scene.functional->energy(scene.displacement, &start));
-  PetscCheck(std::isfinite(start.energy), comm, PETSC_ERR_USER_INPUT,
-             "the energy of the start is not finite (%lld elements are inverted); check the "
-             "constraints' displacements",
-             static_cast<long long>(outcome->inverted_at_start));
+  PetscCall(check_start(scene, start.energy));
 
   PetscCall(solve(snes, scene.displacement));
   PetscCall(SNESGetConvergedReason(snes, &reason));

@@ -1,0 +1,51 @@
+#include "scene/start_check.hpp"
+
+#include <array>
+#include <cmath>
+
+#include "petsc_compatibility.hpp"
+
+namespace trefoil {
+namespace {
+
+std::array<double, 3> centroid(const Mesh &mesh, std::size_t cell) {
+  std::array<double, 3> sum{};
+  for (std::size_t a = 0; a < 4; ++a) {
+    const auto vertex = static_cast<std::size_t>(mesh.cells[4 * cell + a]);
+    for (std::size_t i = 0; i < 3; ++i) sum[i] += mesh.coordinates[3 * vertex + i] / 4;
+  }
+  return sum;
+}
+
+}  // namespace
+
+PetscErrorCode check_start(const Scene &scene, double energy) {
+  const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(scene.mesh.dm));
+  PetscMPIInt rank = 0, ranks = 0, speaker = 0;
+  PetscInt64 count = 0;
+  std::array<double, 3> first{};
+  EnergyFunctional::CellReport report;
+  PetscFunctionBeginUser;
+  if (std::isfinite(energy)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCallMPI(MPI_Comm_rank(comm, &rank));
+  PetscCallMPI(MPI_Comm_size(comm, &ranks));
+  PetscCall(scene.functional->describe_cells(scene.displacement, &report));
+  for (std::size_t c = 0; c < report.energy_density.size(); ++c) {
+    if (std::isfinite(report.energy_density[c])) continue;
+    if (count++ == 0) first = centroid(scene.mesh, c);
+  }
+  speaker = count ? rank : ranks;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &speaker, 1, MPI_INT, MPI_MIN, comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &count, 1, MPIU_INT64, MPI_SUM, comm));
+  PetscCheck(speaker < ranks, comm, PETSC_ERR_USER_INPUT,
+             "the energy of the start is %g; check the displacements and the loads", energy);
+  PetscCallMPI(MPI_Bcast(first.data(), 3, MPI_DOUBLE, speaker, comm));
+  SETERRQ(comm, PETSC_ERR_USER_INPUT,
+          "the energy of the start is infinite: the prescribed vertices, moved at once, invert %lld "
+          "elements, the first at rest position (%g, %g, %g), which the material does not allow; "
+          "spread the displacements with -initial harmonic or -initial arap, apply them in "
+          "-load_steps, or take a material that allows it, such as stable_neo_hookean",
+          static_cast<long long>(count), first[0], first[1], first[2]);
+}
+
+}  // namespace trefoil
