@@ -16,8 +16,8 @@ struct CellList {
   int corners = 4;                  ///< vertices of a cell (4: tetrahedron)
   std::vector<double> coordinates;  ///< vertices x dim
   std::vector<PetscInt> cells;      ///< cells x corners, 0-based vertex numbers
-  std::vector<PetscInt> groups;     ///< of each cell: its physical group, 0: none; empty: no cell's
-  std::map<std::string, PetscInt> group_names;  ///< of those groups that have one
+  std::vector<PetscInt> groups{};   ///< of each cell: its physical group, 0: none; empty: no cell's
+  std::map<std::string, PetscInt> group_names{};  ///< of those groups that have one
 
   [[nodiscard]] PetscInt vertices() const {
     return static_cast<PetscInt>(coordinates.size()) / dim;
