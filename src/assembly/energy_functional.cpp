@@ -88,10 +88,13 @@ PetscErrorCode EnergyFunctional::gradient(Vec x, Vec g) const {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// Whether the batched path serves: one term with packs, and 3 x 3 blocks.
+/// Whether the batched path serves: of all terms only the first has a Hessian, and that has packs;
+/// and 3 x 3 blocks.
 bool EnergyFunctional::is_batched() const {
-  return assembly_ == Assembly::split && discretization_.block_size() == 3 && terms_.size() == 1 &&
-         terms_.front()->packs();
+  return assembly_ == Assembly::split && discretization_.block_size() == 3 && !terms_.empty() &&
+         terms_.front()->packs() &&
+         std::none_of(terms_.begin() + 1, terms_.end(),
+                      [](const auto &term) { return term->has_hessian(); });
 }
 
 PetscErrorCode EnergyFunctional::prepare(Mat H) {

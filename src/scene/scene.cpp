@@ -11,6 +11,7 @@
 #include "petsc_compatibility.hpp"
 #include "scene/collective_error.hpp"
 #include "scene/constraints.hpp"
+#include "scene/loads.hpp"
 #include "scene/regions.hpp"
 #include "term/elastic_term.hpp"
 
@@ -80,23 +81,34 @@ PetscErrorCode load_mesh(MPI_Comm comm, const SceneOptions &options, Mesh *mesh)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// The elastic term of the materials that the options name. Collective.
-PetscErrorCode make_elastic_term(const SceneOptions &options, const Mesh &mesh,
-                                 std::unique_ptr<Term> *term) {
-  std::vector<std::unique_ptr<MaterialModel>> materials;
-  std::vector<int> material_of_cell;
-  PetscFunctionBeginUser;
+/// The elastic term of the materials that the options name.
+std::unique_ptr<Term> make_elastic_term(const SceneOptions &options, const Mesh &mesh,
+                                        const std::vector<int> &region_of_cell) {
   if (options.regions.empty()) {
-    *term = std::make_unique<ElasticTerm>(mesh, make_material(options.material));
-    PetscFunctionReturn(PETSC_SUCCESS);
+    return std::make_unique<ElasticTerm>(mesh, make_material(options.material));
   }
-  PetscCall(assign_regions(mesh, options.regions, &material_of_cell));
+  std::vector<std::unique_ptr<MaterialModel>> materials;
   materials.push_back(make_material(options.material));
   for (const RegionOptions &region : options.regions) {
     materials.push_back(make_material(region.material));
   }
-  *term = std::make_unique<ElasticTerm>(
-      mesh, MaterialRuns(std::move(materials), std::move(material_of_cell)));
+  return std::make_unique<ElasticTerm>(mesh, MaterialRuns(std::move(materials), region_of_cell));
+}
+
+/// The term of the loads, where the options name any. Collective.
+PetscErrorCode add_loads(const std::vector<int> &region_of_cell, Scene *scene) {
+  const SceneOptions &options = scene->options;
+  std::vector<double> forces, densities{options.material.density};
+  PetscFunctionBeginUser;
+  if (!options.loads.any()) PetscFunctionReturn(PETSC_SUCCESS);
+  for (const RegionOptions &region : options.regions) densities.push_back(region.material.density);
+  for (const int region : region_of_cell) {
+    scene->density_of_cell.push_back(densities[static_cast<std::size_t>(region)]);
+  }
+  PetscCall(evaluate_loads(scene->mesh, options.loads, scene->density_of_cell, 1, &forces));
+  auto term = std::make_unique<DeadLoadTerm>(std::move(forces));
+  scene->loads = term.get();
+  scene->functional->add_term(std::move(term));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -109,7 +121,7 @@ Scene::~Scene() {
 
 PetscErrorCode build_scene(MPI_Comm comm, const SceneOptions &options, Scene *scene) {
   HeldDofs held;
-  std::unique_ptr<Term> elastic;
+  std::vector<int> region_of_cell;
   PetscLogDouble begin = 0, loaded = 0, end = 0;
   PetscFunctionBeginUser;
   scene->options = options;
@@ -127,8 +139,9 @@ PetscErrorCode build_scene(MPI_Comm comm, const SceneOptions &options, Scene *sc
                           "1, with which algebraic multigrid is slower\n"));
   }
   scene->functional = std::make_unique<EnergyFunctional>(scene->discretization);
-  PetscCall(make_elastic_term(options, scene->mesh, &elastic));
-  scene->functional->add_term(std::move(elastic));
+  PetscCall(assign_regions(scene->mesh, options.regions, &region_of_cell));
+  scene->functional->add_term(make_elastic_term(options, scene->mesh, region_of_cell));
+  PetscCall(add_loads(region_of_cell, scene));
   PetscCall(scene->discretization.create_vector(&scene->displacement));
   PetscCall(scene->discretization.create_matrix(&scene->hessian));
   if (options.assembly == "split") PetscCall(scene->functional->prepare(scene->hessian));

@@ -128,6 +128,7 @@ PetscErrorCode read_scene_options(MPI_Comm comm, SceneOptions *options) {
                         &options->partitioner));
   PetscCall(read_material(comm, reader, "material", &options->material));
   PetscCall(read_regions(comm, reader, options->material, &options->regions));
+  PetscCall(read_loads(comm, reader, &options->loads));
   PetscCall(read_constraints(comm, reader, options));
   PetscCall(
       reader.text("initial",
@@ -144,8 +145,8 @@ PetscErrorCode read_scene_options(MPI_Comm comm, SceneOptions *options) {
   PetscCall(
       reader.text("output_file", "Result for ParaView, an .xdmf file", &options->output_file));
   PetscCall(reader.text("snes_trefoil_record", "JSON record of the run", &options->record_file));
-  PetscCall(reader.refuse_unknown(
-      {"mesh_", "material_", "region", "constraint", "initial", "order", "assembly", "output_"}));
+  PetscCall(reader.refuse_unknown({"mesh_", "material_", "region", "load", "constraint", "initial",
+                                   "order", "assembly", "output_"}));
   PetscCall(check_values(comm, *options));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

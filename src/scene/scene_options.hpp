@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "scene/load_options.hpp"
 #include "scene/material_options.hpp"
 #include "scene/region_options.hpp"
 
@@ -25,6 +26,7 @@ struct SceneOptions {
   std::string repair = "none", partitioner = "metis";
   MaterialOptions material;
   std::vector<RegionOptions> regions;
+  LoadOptions loads;
   std::vector<ConstraintOptions> constraints;
   std::string initial = "arap";
   PetscInt initial_steps = 20;  ///< local/global steps of arap

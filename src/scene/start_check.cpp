@@ -40,12 +40,13 @@ PetscErrorCode check_start(const Scene &scene, double energy) {
   PetscCheck(speaker < ranks, comm, PETSC_ERR_USER_INPUT,
              "the energy of the start is %g; check the displacements and the loads", energy);
   PetscCallMPI(MPI_Bcast(first.data(), 3, MPI_DOUBLE, speaker, comm));
-  SETERRQ(comm, PETSC_ERR_USER_INPUT,
-          "the energy of the start is infinite: the prescribed vertices, moved at once, invert %lld "
-          "elements, the first at rest position (%g, %g, %g), which the material does not allow; "
-          "spread the displacements with -initial harmonic or -initial arap, apply them in "
-          "-load_steps, or take a material that allows it, such as stable_neo_hookean",
-          static_cast<long long>(count), first[0], first[1], first[2]);
+  SETERRQ(
+      comm, PETSC_ERR_USER_INPUT,
+      "the energy of the start is infinite: the prescribed vertices, moved at once, invert %lld "
+      "elements, the first at rest position (%g, %g, %g), which the material does not allow; "
+      "spread the displacements with -initial harmonic or -initial arap, apply them in "
+      "-load_steps, or take a material that allows it, such as stable_neo_hookean",
+      static_cast<long long>(count), first[0], first[1], first[2]);
 }
 
 }  // namespace trefoil
