@@ -21,8 +21,9 @@ std::array<double, 3> centroid(const Mesh &mesh, std::size_t cell) {
 
 PetscErrorCode check_start(const Scene &scene, double energy) {
   const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(scene.mesh.dm));
+  constexpr double beyond_bodies = 1e100;  // of a determinant: numbers too large to be squared
   PetscMPIInt rank = 0, ranks = 0, speaker = 0;
-  PetscInt64 count = 0;
+  PetscInt64 counts[2] = {0, 0};  // inverted elements of infinite energy, and others of it
   std::array<double, 3> first{};
   EnergyFunctional::CellReport report;
   PetscFunctionBeginUser;
@@ -32,21 +33,24 @@ PetscErrorCode check_start(const Scene &scene, double energy) {
   PetscCall(scene.functional->describe_cells(scene.displacement, &report));
   for (std::size_t c = 0; c < report.energy_density.size(); ++c) {
     if (std::isfinite(report.energy_density[c])) continue;
-    if (count++ == 0) first = centroid(scene.mesh, c);
+    const bool inverted = report.determinant[c] <= 0 && report.determinant[c] > -beyond_bodies;
+    if (counts[0] + counts[1] == 0) first = centroid(scene.mesh, c);
+    ++counts[inverted ? 0 : 1];
   }
-  speaker = count ? rank : ranks;
+  speaker = counts[0] + counts[1] ? rank : ranks;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &speaker, 1, MPI_INT, MPI_MIN, comm));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &count, 1, MPIU_INT64, MPI_SUM, comm));
-  PetscCheck(speaker < ranks, comm, PETSC_ERR_USER_INPUT,
-             "the energy of the start is %g; check the displacements and the loads", energy);
-  PetscCallMPI(MPI_Bcast(first.data(), 3, MPI_DOUBLE, speaker, comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, counts, 2, MPIU_INT64, MPI_SUM, comm));
+  if (speaker < ranks) PetscCallMPI(MPI_Bcast(first.data(), 3, MPI_DOUBLE, speaker, comm));
+  PetscCheck(counts[0] > 0 && counts[1] == 0, comm, PETSC_ERR_USER_INPUT,
+             "the energy of the start is not finite; check the constraints' displacements and the "
+             "loads");
   SETERRQ(
       comm, PETSC_ERR_USER_INPUT,
       "the energy of the start is infinite: the prescribed vertices, moved at once, invert %lld "
       "elements, the first at rest position (%g, %g, %g), which the material does not allow; "
       "spread the displacements with -initial harmonic or -initial arap, apply them in "
       "-load_steps, or take a material that allows it, such as stable_neo_hookean",
-      static_cast<long long>(count), first[0], first[1], first[2]);
+      static_cast<long long>(counts[0]), first[0], first[1], first[2]);
 }
 
 }  // namespace trefoil
