@@ -98,6 +98,8 @@ PetscErrorCode check_values(MPI_Comm comm, const SceneOptions &options) {
              "-mesh_refine and -mesh_resolution must not be negative");
   PetscCheck(options.resolution == 0 || options.mesh_file.empty(), comm, PETSC_ERR_USER_INPUT,
              "-mesh_resolution is for generated meshes; use -mesh_refine for a mesh from a file");
+  PetscCheck(options.load_steps > 0, comm, PETSC_ERR_USER_INPUT,
+             "-load_steps is %" PetscInt_FMT "; give 1 or more", options.load_steps);
   PetscCall(check_files(comm, options));
   PetscCall(check_choice(comm, "initial", options.initial, {"rest", "harmonic", "arap"}));
   PetscCheck(options.initial_steps >= 0, comm, PETSC_ERR_USER_INPUT,
@@ -129,6 +131,8 @@ PetscErrorCode read_scene_options(MPI_Comm comm, SceneOptions *options) {
   PetscCall(read_material(comm, reader, "material", &options->material));
   PetscCall(read_regions(comm, reader, options->material, &options->regions));
   PetscCall(read_loads(comm, reader, &options->loads));
+  PetscCall(
+      reader.integer("load_steps", "Solves on the way of t from 0 to 1", &options->load_steps));
   PetscCall(read_constraints(comm, reader, options));
   PetscCall(
       reader.text("initial",

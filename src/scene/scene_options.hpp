@@ -27,6 +27,7 @@ struct SceneOptions {
   MaterialOptions material;
   std::vector<RegionOptions> regions;
   LoadOptions loads;
+  PetscInt load_steps = 1;
   std::vector<ConstraintOptions> constraints;
   std::string initial = "arap";
   PetscInt initial_steps = 20;  ///< local/global steps of arap

@@ -44,13 +44,14 @@ PetscErrorCode check_start(const Scene &scene, double energy) {
   PetscCheck(counts[0] > 0 && counts[1] == 0, comm, PETSC_ERR_USER_INPUT,
              "the energy of the start is not finite; check the constraints' displacements and the "
              "loads");
-  SETERRQ(
-      comm, PETSC_ERR_USER_INPUT,
-      "the energy of the start is infinite: the prescribed vertices, moved at once, invert %lld "
-      "elements, the first at rest position (%g, %g, %g), which the material does not allow; "
-      "spread the displacements with -initial harmonic or -initial arap, apply them in "
-      "-load_steps, or take a material that allows it, such as stable_neo_hookean",
-      static_cast<long long>(counts[0]), first[0], first[1], first[2]);
+  const bool at_once = scene.options.initial == "rest";
+  SETERRQ(comm, PETSC_ERR_USER_INPUT,
+          "the energy of the start is infinite: %s %lld elements, the first at rest position (%g, "
+          "%g, %g), which the material does not allow; %sapply the displacements in -load_steps, "
+          "or take a material that allows it, such as stable_neo_hookean",
+          at_once ? "the prescribed vertices, moved at once, invert" : "it inverts",
+          static_cast<long long>(counts[0]), first[0], first[1], first[2],
+          at_once ? "spread the displacements with -initial harmonic or -initial arap, " : "");
 }
 
 }  // namespace trefoil

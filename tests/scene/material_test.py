@@ -121,8 +121,8 @@ class EveryMaterial(unittest.TestCase):
 class InfiniteStart(unittest.TestCase):
     def test_it_is_an_error_that_says_what_to_do(self):
         for ranks, model in ((1, "neo_hookean"), (2, "symmetric_dirichlet")):
-            result = run(ENDS + ["-material_model", model, "-constraint_high_move", "0, 0, -0.5"],
-                         ranks)
+            result = run(ENDS + ["-material_model", model, "-constraint_high_move", "0, 0, -0.5",
+                                 "-initial", "rest"], ranks)
             self.assertEqual(result.returncode, 1)
             # All tetrahedra of the uppermost layer, whose lower side the lid has passed.
             for words in ("invert 96 elements", "the first at rest position (", ", 0.8125)",
@@ -272,7 +272,46 @@ class Loads(unittest.TestCase):
             other = record_of(scene + options, ranks)
             self.assertEqual(other["result"]["iterations"], serial["result"]["iterations"])
             for key in ("energy", "energy_scale"):
-                self.assertLess(abs(other["result"][key] / serial["result"][key] - 1), 1e-9)
+                self.assertLess(abs(other["result"][key] / serial["result"][key] - 1), 1e-8)
+
+
+class LoadSteps(unittest.TestCase):
+    def check_path(self, scene, steps, ranks=1):
+        """The same end as at once, and one history of the whole way."""
+        at_once, path = record_of(scene, ranks), record_of(
+            scene + ["-load_steps", str(steps)], ranks)
+        self.assertEqual((at_once["status"], path["status"]), (0, 0))
+        self.assertLess(abs(energy(path) / energy(at_once) - 1), 1e-9)
+        history = path["history"]
+        self.assertEqual([entry["k"] for entry in history], list(range(len(history))))
+        self.assertEqual(sorted({entry["load_step"] for entry in history}),
+                         list(range(1, steps + 1)))
+        self.assertEqual(path["result"]["iterations"], len(history))
+        self.assertEqual(path["result"]["line_search_trials"],
+                         sum(entry["trials"] for entry in history))
+        seconds = [entry["seconds"] for entry in history]
+        self.assertEqual(seconds, sorted(seconds))
+        # Halfway there, and of each step's equilibria the next one is the start.
+        middle = [entry for entry in history if entry["load_step"] == 1][-1]
+        self.assertLess(abs(middle["energy"]), 0.9 * abs(energy(path)))
+
+    def test_displacements(self):
+        scene = ENDS + TIGHT + ["-constraint_high_move", "0.2*t, 0, -0.5*t", "-material_model",
+                                "neo_hookean", "-material_poisson", "0.3"]
+        self.check_path(scene, 3)
+        self.check_path(scene, 2, ranks=2)
+
+    def test_loads(self):
+        self.check_path(THREE_PLANES + TIGHT + [
+            "-loads", "top", "-load_top_where", "z == zmax", "-load_top_traction", "0, 0, -3e5*t",
+            "-load_gravity", "2*t, 0, 0", "-material_density", "1e3", "-material_model", "arap"], 2)
+
+    def test_a_step_that_does_not_converge_ends_the_way(self):
+        record = record_of(ENDS + ["-constraint_high_move", "0.2*t, 0, -0.5*t", "-load_steps", "3",
+                                   "-snes_max_it", "1"])
+        self.assertEqual(record["status"], 3)
+        self.assertFalse(record["result"]["converged"])
+        self.assertTrue(all(entry.get("load_step", 1) == 1 for entry in record["history"]))
 
 
 if __name__ == "__main__":
