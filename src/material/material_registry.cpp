@@ -34,7 +34,7 @@ std::string with_number(const char *before, double number, const char *after) {
 
 }  // namespace
 
-void register_material(const std::string &name, const MaterialMaker &maker) {
+void register_material(const std::string &name, MaterialMaker maker) {
   const auto found = find(name);
   if (found != entries().end()) {
     found->second = maker;

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -10,12 +9,13 @@
 
 namespace trefoil {
 
-/// Makes a material from what the user says; throws InputError where that makes none.
-using MaterialMaker =
-    std::function<std::unique_ptr<MaterialModel>(const MaterialParameters &, InstructionSet)>;
+/// Makes a material from what the user says; throws InputError where that makes none. A bare
+/// pointer: the library it points into may be unloaded before this list goes.
+using MaterialMaker = std::unique_ptr<MaterialModel> (*)(const MaterialParameters &,
+                                                         InstructionSet);
 
 /// Makes a material known by a name; a later one of the same name replaces it. Not thread-safe.
-void register_material(const std::string &name, const MaterialMaker &maker);
+void register_material(const std::string &name, MaterialMaker maker);
 
 /// The same for a class that meets the concept SceneMaterial. It may also have
 /// - a member M::has_volume_term: it uses MaterialParameters::volume

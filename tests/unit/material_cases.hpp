@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "../../examples/own_material/own_material.cpp"  // a user's passes the same tests
 #include "material/material_list.hpp"
 #include "material/polar.hpp"
 #include "matrix3_support.hpp"
@@ -87,6 +88,7 @@ inline const std::vector<Candidate> materials{
     {"symmetric_dirichlet_volume", make_with_volume<SymmetricDirichlet>, lambda_of_volume,
      to_inversion, -0.5, false},
     {"corotated", make<Corotated>, hookes_lambda, to_jump_of_rotation, -0.5},
+    {"own_material", make<Mine>, hookes_lambda, endless, -0.5},
     {"st_venant_kirchhoff", make<StVenantKirchhoff>, hookes_lambda, endless, -0.5},
 };
 
