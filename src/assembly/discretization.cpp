@@ -13,7 +13,6 @@ Discretization::~Discretization() {
 PetscErrorCode Discretization::set_up(Mesh &mesh, const HeldDofs &held) {
   PetscSection section = nullptr;
   PetscInt begin = 0, end = 0;
-  PetscScalar *value = nullptr;
   PetscFunctionBeginUser;
   mesh_ = &mesh;
   const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(mesh.dm));
@@ -50,6 +49,22 @@ PetscErrorCode Discretization::set_up(Mesh &mesh, const HeldDofs &held) {
   PetscCall(number_dofs(held));
 
   PetscCall(DMCreateLocalVector(mesh.dm, &prescribed_));
+  PetscCall(set_prescribed(held));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Discretization::set_prescribed(const HeldDofs &held) {
+  PetscScalar *value = nullptr;
+  PetscMPIInt same = 1;
+  PetscFunctionBeginUser;
+  const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(mesh_->dm));
+  for (std::size_t dof = 0; dof < global_dofs_.size(); ++dof) {
+    same = same && (global_dofs_[dof] < 0) == (held.held[dof] != 0);
+  }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &same, 1, MPI_INT, MPI_MIN, comm));
+  PetscCheck(same, comm, PETSC_ERR_USER_INPUT,
+             "the constraints hold other vertices at one time than at another; let only their "
+             "displacements depend on t");
   PetscCall(VecGetArrayWrite(prescribed_, &value));
   std::copy(held.value.begin(), held.value.end(), value);
   PetscCall(VecRestoreArrayWrite(prescribed_, &value));

@@ -28,6 +28,9 @@ class Discretization {
   /// Collective; once. Keeps a reference to `mesh`, which must outlive it.
   PetscErrorCode set_up(Mesh &mesh, const HeldDofs &held);
 
+  /// Moves what is held to other displacements; the same dofs must be held. Collective.
+  PetscErrorCode set_prescribed(const HeldDofs &held);
+
   /// A vector of unknowns, zero.
   PetscErrorCode create_vector(Vec *x) const;
 

@@ -88,9 +88,11 @@ PetscErrorCode EnergyFunctional::gradient(Vec x, Vec g) const {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// Whether the batched path serves: one term with packs.
+/// Whether the batched path serves: of all terms only the first has a Hessian, and that has packs.
 bool EnergyFunctional::is_batched() const {
-  return assembly_ == Assembly::split && terms_.size() == 1 && terms_.front()->packs();
+  return assembly_ == Assembly::split && !terms_.empty() && terms_.front()->packs() &&
+         std::none_of(terms_.begin() + 1, terms_.end(),
+                      [](const auto &term) { return term->has_hessian(); });
 }
 
 PetscErrorCode EnergyFunctional::prepare(Mat H) {

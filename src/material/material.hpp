@@ -1,6 +1,8 @@
 #pragma once
 
 #include <concepts>
+#include <optional>
+#include <string>
 
 #include "material/matrix3.hpp"
 
@@ -11,6 +13,10 @@ struct ElasticConstants {
   double young = 0;    ///< Young's modulus E > 0, force per area
   double poisson = 0;  ///< Poisson's ratio, -1 < nu < 1/2
 
+  /// E and nu of Lame's constants: mu > 0 and lambda > -2 mu / 3, force per area.
+  static ElasticConstants from_lame(double mu, double lambda) {
+    return {mu * (3 * lambda + 2 * mu) / (lambda + mu), lambda / (2 * (lambda + mu))};
+  }
   /// First Lame constant, E nu / ((1 + nu)(1 - 2 nu)).
   [[nodiscard]] double lambda() const {
     return young * poisson / ((1 + poisson) * (1 - 2 * poisson));
@@ -19,13 +25,43 @@ struct ElasticConstants {
   [[nodiscard]] double mu() const { return young / (2 * (1 + poisson)); }
 };
 
+/// How E and nu become mu and lambda of a stable Neo-Hookean energy.
+enum class Lame {
+  physical,  ///< lambda = lambda_Lame + mu, so that small strains obey E and nu
+  raw        ///< lambda = lambda_Lame, as Chen et al. 2024 use it; needs nu > 0
+};
+
+/// What a user says about a material. Each material makes its own constants from it.
+struct MaterialParameters {
+  ElasticConstants constants;
+  /// Weight kappa >= 0, force per area, of the term kappa/2 (J - 1)^2 in the energies that have
+  /// one. Absent: what makes small strains obey E and nu.
+  std::optional<double> volume = std::nullopt;
+  Lame lame = Lame::physical;
+  /// Mooney-Rivlin: the part of the shear modulus that comes from the second invariant, 0 to 1.
+  double second_invariant = 0.5;
+
+  /// kappa as the user gives it, else `suggested`. InputError where that is negative: the energy
+  /// would have no least value.
+  [[nodiscard]] double volume_weight(const std::string &material, double suggested) const;
+  /// Lame's lambda; InputError where it is negative.
+  [[nodiscard]] double nonnegative_lambda(const std::string &material) const;
+};
+
 /// What a material supplies: energy density psi(F) per rest volume, first Piola-Kirchhoff stress
 /// P = dpsi/dF and tangent dP/dF, for a number or a pack of numbers. A material knows no element.
+/// It is copied about, and read by several threads at once.
 template <class M>
 concept Material = requires(const M &material, const Matrix3<double> &F, Tangent<double> &tangent) {
   { material.energy_density(F) } -> std::same_as<double>;
   { material.stress(F) } -> std::same_as<Matrix3<double>>;
   {material.tangent(F, tangent)};
+};
+
+/// A material that scenes may ask for: it has a name, and makes itself of what the user says.
+template <class M>
+concept SceneMaterial = Material<M> && std::constructible_from<M, MaterialParameters> && requires {
+  { M::name } -> std::convertible_to<std::string>;
 };
 
 }  // namespace trefoil

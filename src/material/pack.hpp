@@ -85,7 +85,7 @@ struct Pack {
     Pack result;
 #if defined(__AVX512F__)
     constexpr int width = 8;
-    // The masked one, because the plain one warns in gcc 12.
+    // With a mask, of all lanes, because gcc 12 warns of its own header without one.
     const auto root = [](const double *x) {
       return _mm512_maskz_sqrt_pd(0xff, _mm512_loadu_pd(x));
     };

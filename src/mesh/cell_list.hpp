@@ -2,18 +2,13 @@
 
 #include <petscsystypes.h>
 
-#include <stdexcept>
+#include <map>
 #include <string>
 #include <vector>
 
-namespace trefoil {
+#include "input_error.hpp"
 
-/// What a user's input gets wrong, said in one sentence that names the culprit and the way out.
-/// Thrown by code that knows no PETSc; whoever calls it from PETSc turns it into a PetscError.
-class InputError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
+namespace trefoil {
 
 /// A simplicial mesh as a mesher writes it: held whole, by one rank.
 struct CellList {
@@ -21,6 +16,8 @@ struct CellList {
   int corners = 4;                  ///< vertices of a cell (4: tetrahedron)
   std::vector<double> coordinates;  ///< vertices x dim
   std::vector<PetscInt> cells;      ///< cells x corners, 0-based vertex numbers
+  std::vector<PetscInt> groups{};   ///< of each cell: its physical group, 0: none; empty: no cell's
+  std::map<std::string, PetscInt> group_names{};  ///< of those groups that have one
 
   [[nodiscard]] PetscInt vertices() const {
     return static_cast<PetscInt>(coordinates.size()) / dim;

@@ -89,10 +89,12 @@ void drop_bad_tetrahedra(CellList &mesh) {
   const auto tetrahedra = static_cast<std::size_t>(mesh.size());
   for (std::size_t tetrahedron = 0; tetrahedron < tetrahedra; ++tetrahedron) {
     if (rest_shape(mesh, tetrahedron) != RestShape::good) continue;
+    if (!mesh.groups.empty()) mesh.groups[kept] = mesh.groups[tetrahedron];
     std::copy_n(mesh.cells.begin() + static_cast<std::ptrdiff_t>(4 * tetrahedron), 4,
                 mesh.cells.begin() + static_cast<std::ptrdiff_t>(4 * kept++));
   }
   mesh.cells.resize(4 * kept);
+  if (!mesh.groups.empty()) mesh.groups.resize(kept);
 }
 
 bool all_vertices_coincide(const CellList &mesh) {

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <limits>
 #include <numeric>
+#include <sstream>
 
 #include "mesh/mesh.hpp"
 #include "petsc_compatibility.hpp"
@@ -10,7 +11,7 @@ namespace {
 
 /// This rank's cells (global vertex numbers) and its even share of the vertices.
 struct Share {
-  std::vector<PetscInt> cells;
+  std::vector<PetscInt> cells, groups;
   std::vector<double> coordinates;
 };
 
@@ -38,7 +39,8 @@ PetscErrorCode send_shares(MPI_Comm comm, const CellList &whole, const Partition
   PetscCallMPI(MPI_Comm_size(comm, &ranks));
   const auto parts = static_cast<std::size_t>(ranks);
   std::vector<PetscMPIInt> corner_counts(parts, 0), coordinate_counts(parts, 0);
-  std::vector<PetscInt> sorted;
+  std::vector<PetscMPIInt> group_counts(parts, 0);
+  std::vector<PetscInt> sorted, groups(whole.groups.size());
   if (rank == 0) {
     for (PetscInt p : partition.rank_of_cell) {
       corner_counts[static_cast<std::size_t>(p)] += whole.corners;
@@ -47,8 +49,13 @@ PetscErrorCode send_shares(MPI_Comm comm, const CellList &whole, const Partition
     std::exclusive_scan(corner_counts.begin(), corner_counts.end(), next.begin(), std::size_t{0});
     sorted.resize(whole.cells.size());
     auto corner = whole.cells.begin();
+    auto group = whole.groups.begin();
     for (PetscInt p : partition.rank_of_cell) {
       auto &position = next[static_cast<std::size_t>(p)];
+      if (!groups.empty()) {
+        groups[position / static_cast<std::size_t>(whole.corners)] = *group++;
+        ++group_counts[static_cast<std::size_t>(p)];
+      }
       std::copy_n(corner, whole.corners, sorted.begin() + static_cast<std::ptrdiff_t>(position));
       position += static_cast<std::size_t>(whole.corners);
       corner += whole.corners;
@@ -60,6 +67,7 @@ PetscErrorCode send_shares(MPI_Comm comm, const CellList &whole, const Partition
     }
   }
   PetscCall(scatter(comm, MPIU_INT, sorted, corner_counts, &share->cells));
+  PetscCall(scatter(comm, MPIU_INT, groups, group_counts, &share->groups));
   PetscCall(scatter(comm, MPI_DOUBLE, whole.coordinates, coordinate_counts, &share->coordinates));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -138,6 +146,33 @@ PetscErrorCode take_cells(Mesh *mesh) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// Cells come from the list in its order, and a refined one's children one after the other.
+void take_groups(const Share &share, Mesh *mesh) {
+  if (share.groups.empty()) return;
+  const std::size_t children = static_cast<std::size_t>(mesh->local_cells()) / share.groups.size();
+  for (PetscInt group : share.groups) mesh->groups.insert(mesh->groups.end(), children, group);
+}
+
+/// Tells all ranks the names of groups, which the first one knows.
+PetscErrorCode send_group_names(MPI_Comm comm, const std::map<std::string, PetscInt> &names,
+                                Mesh *mesh) {
+  std::string text;  // name, zero, number, zero
+  PetscFunctionBeginUser;
+  for (const auto &[name, number] : names) {
+    text += name + '\0' + std::to_string(number) + '\0';
+  }
+  auto length = static_cast<PetscMPIInt>(text.size());
+  PetscCallMPI(MPI_Bcast(&length, 1, MPI_INT, 0, comm));
+  text.resize(static_cast<std::size_t>(length));
+  PetscCallMPI(MPI_Bcast(text.data(), length, MPI_CHAR, 0, comm));
+  std::istringstream words(text);
+  for (std::string name, number; std::getline(words, name, '\0');) {
+    std::getline(words, number, '\0');
+    mesh->group_names.emplace(name, static_cast<PetscInt>(std::stol(number)));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode count_totals(MPI_Comm comm, Mesh *mesh) {
   PetscMPIInt ranks = 0;
   PetscFunctionBeginUser;
@@ -175,6 +210,8 @@ PetscErrorCode distribute_mesh(MPI_Comm comm, const CellList &whole, const std::
   PetscCall(take_vertex_numbers(mesh));
   PetscCall(take_coordinates(mesh));
   PetscCall(take_cells(mesh));
+  take_groups(share, mesh);
+  PetscCall(send_group_names(comm, whole.group_names, mesh));
   PetscCall(count_totals(comm, mesh));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -135,6 +135,16 @@ void read_section(GmshNumbers &numbers, Version version, const std::string &sect
   numbers.file().expect_word("$End" + section.substr(1));
 }
 
+void read_groups(GmshNumbers &numbers, const std::string &section, GmshGroups &groups) {
+  if (section == "$PhysicalNames") {
+    read_physical_names(numbers.file(), groups);
+  } else {
+    if (numbers.is_binary()) numbers.file().end_line();
+    read_entities_4_1(numbers, groups);
+  }
+  numbers.file().expect_word("$End" + section.substr(1));
+}
+
 GmshContents read_sections(MeshFile &file, const Format &format) {
   GmshContents contents;
   GmshNumbers numbers(file, format.is_binary);
@@ -144,10 +154,25 @@ GmshContents read_sections(MeshFile &file, const Format &format) {
                 " where a section should begin with $; save the mesh again");
     if (section == "$Nodes" || section == "$Elements")
       read_section(numbers, format.version, section, contents);
+    else if (section == "$PhysicalNames" ||
+             (section == "$Entities" && format.version == Version::v4_1))
+      read_groups(numbers, section, contents.groups);
     else
       skip_section(file, section);
   }
   return contents;
+}
+
+// Groups of the cells, where any has one, and the names of such groups.
+void number_groups(const GmshContents &contents, CellList &mesh) {
+  bool has_groups = false;
+  for (const GmshTetrahedron &tetrahedron : contents.tetrahedra) {
+    has_groups = has_groups || tetrahedron.group != 0;
+    mesh.groups.push_back(static_cast<PetscInt>(tetrahedron.group));
+  }
+  if (!has_groups) mesh.groups.clear();
+  for (const auto &[name, number] : contents.groups.of_dimension[3])
+    mesh.group_names.emplace(name, static_cast<PetscInt>(number));
 }
 
 CellList number_vertices(const MeshFile &file, GmshContents contents) {
@@ -164,6 +189,7 @@ CellList number_vertices(const MeshFile &file, GmshContents contents) {
                              ", which $Nodes does not define; correct it or save the mesh again");
       mesh.cells.push_back(vertex);
     }
+  number_groups(contents, mesh);
   return mesh;
 }
 

@@ -2,6 +2,9 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "cell_list.hpp"
@@ -9,9 +12,10 @@
 
 namespace trefoil {
 
-/// Reads a Gmsh mesh, MSH 2.2 or 4.1, ASCII or binary: its nodes and its tetrahedra of type 4.
-/// Elements of lower dimension and other sections are skipped, other volume elements are an
-/// InputError. Format: C. Geuzaine, J.-F. Remacle, "Gmsh reference manual", chapter "File formats".
+/// Reads a Gmsh mesh, MSH 2.2 or 4.1, ASCII or binary: its nodes and its tetrahedra of type 4,
+/// with their physical groups. Elements of lower dimension and other sections are skipped, other
+/// volume elements are an InputError. Format: C. Geuzaine, J.-F. Remacle, "Gmsh reference manual",
+/// chapter "File formats".
 CellList read_gmsh(MeshFile &file);
 
 // What follows is shared by the readers of the two versions.
@@ -38,10 +42,19 @@ class GmshNumbers {
   bool is_binary_;
 };
 
-/// A tetrahedron as the file has it: its own tag and the tags of its nodes.
+/// A tetrahedron as the file has it: its own tag, its physical group (0: none) and the tags of its
+/// nodes.
 struct GmshTetrahedron {
-  std::int64_t tag;
+  std::int64_t tag, group;
   std::array<std::int64_t, 4> nodes;
+};
+
+/// What the sections $PhysicalNames and, in version 4.1, $Entities say of groups. Names and groups
+/// belong to a dimension: a surface and a volume may have the same.
+struct GmshGroups {
+  using Key = std::pair<std::int64_t, std::int64_t>;  ///< dimension, tag of an entity
+  std::map<Key, std::int64_t> of_entity;
+  std::map<std::string, std::int64_t> of_dimension[4];  ///< numbers by name
 };
 
 /// What the sections $Nodes and $Elements say.
@@ -49,6 +62,7 @@ struct GmshContents {
   std::vector<std::int64_t> node_tags;
   std::vector<double> coordinates;  ///< nodes x 3
   std::vector<GmshTetrahedron> tetrahedra;
+  GmshGroups groups;
 };
 
 constexpr std::int64_t gmsh_tetrahedron = 4;
@@ -65,5 +79,10 @@ void read_nodes_2_2(GmshNumbers &numbers, GmshContents &contents);
 void read_elements_2_2(GmshNumbers &numbers, GmshContents &contents);
 void read_nodes_4_1(GmshNumbers &numbers, GmshContents &contents);
 void read_elements_4_1(GmshNumbers &numbers, GmshContents &contents);
+
+/// Read what stands between $PhysicalNames and its end, which is text in binary files too, and
+/// between $Entities and its end. An entity of several groups counts for the first.
+void read_physical_names(MeshFile &file, GmshGroups &groups);
+void read_entities_4_1(GmshNumbers &numbers, GmshGroups &groups);
 
 }  // namespace trefoil

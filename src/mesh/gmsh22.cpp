@@ -1,3 +1,4 @@
+#include <cstdlib>
 #include <string>
 
 #include "gmsh.hpp"
@@ -18,8 +19,12 @@ std::int64_t read_count(GmshNumbers &numbers, const char *what) {
 // What follows an element's tag: its physical group and the like, and its nodes.
 void read_element(GmshNumbers &numbers, std::int64_t tag, std::int64_t type, int nodes,
                   std::int64_t labels, GmshContents &contents) {
-  for (std::int64_t label = 0; label < labels; ++label) numbers.integer("a tag of an element");
-  GmshTetrahedron tetrahedron{tag, {}};
+  std::int64_t group = 0;  // the first label
+  for (std::int64_t label = 0; label < labels; ++label) {
+    const std::int64_t number = numbers.integer("a tag of an element");
+    if (label == 0) group = std::abs(number);
+  }
+  GmshTetrahedron tetrahedron{tag, group, {}};
   for (int node = 0; node < nodes; ++node) {
     const std::int64_t node_tag = numbers.integer("a node of an element");
     if (type == gmsh_tetrahedron) tetrahedron.nodes[static_cast<std::size_t>(node)] = node_tag;

@@ -58,24 +58,28 @@ void order_along_curve(CellList &mesh) {
   }
   mesh.coordinates.swap(coordinates);
 
-  using Cell = std::array<PetscInt, 4>;
+  struct Cell {
+    std::array<PetscInt, 4> corners;
+    PetscInt group;
+  };
   std::vector<std::pair<PetscInt, Cell>> cells;  // by the sum of their corners' numbers
   cells.reserve(mesh.cells.size() / 4);
   for (std::size_t c = 0; c + 3 < mesh.cells.size(); c += 4) {
-    Cell cell;
+    Cell cell{{}, mesh.groups.empty() ? 0 : mesh.groups[c / 4]};
     PetscInt sum = 0;
     for (std::size_t a = 0; a < 4; ++a) {
-      cell[a] = number[static_cast<std::size_t>(mesh.cells[c + a])];
-      sum += cell[a] / 4;
+      cell.corners[a] = number[static_cast<std::size_t>(mesh.cells[c + a])];
+      sum += cell.corners[a] / 4;
     }
     cells.emplace_back(sum, cell);
   }
   std::stable_sort(cells.begin(), cells.end(),
                    [](const auto &a, const auto &b) { return a.first < b.first; });
   mesh.cells.clear();
-  for (const auto &entry : cells) {
-    mesh.cells.insert(mesh.cells.end(), entry.second.begin(), entry.second.end());
+  for (const auto &[place_in_order, cell] : cells) {
+    mesh.cells.insert(mesh.cells.end(), cell.corners.begin(), cell.corners.end());
   }
+  for (std::size_t c = 0; c < mesh.groups.size(); ++c) mesh.groups[c] = cells[c].second.group;
 }
 
 }  // namespace trefoil

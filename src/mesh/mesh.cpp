@@ -12,7 +12,8 @@ Mesh::~Mesh() {
 
 double Mesh::bytes() const {
   return static_cast<double>((cells.capacity() + global_vertex.capacity()) * sizeof(PetscInt) +
-                             coordinates.capacity() * sizeof(double) + owned.capacity());
+                             coordinates.capacity() * sizeof(double) + owned.capacity() +
+                             groups.capacity() * sizeof(PetscInt));
 }
 
 }  // namespace trefoil

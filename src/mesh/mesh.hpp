@@ -3,6 +3,7 @@
 #include <petscdmplex.h>
 
 #include <array>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,8 @@ struct Mesh {
   std::vector<double> coordinates;      ///< local vertices (ghosts included) x 3, rest positions
   std::vector<PetscInt> global_vertex;  ///< of each local vertex; ranks own consecutive ranges
   std::vector<char> owned;              ///< of each local vertex: this rank owns it
+  std::vector<PetscInt> groups;  ///< of each local cell, see CellList; empty: the mesh has none
+  std::map<std::string, PetscInt> group_names;
   std::array<double, 3> box_min{}, box_max{};  ///< of the whole mesh
 
   PetscInt total_cells = 0, total_vertices = 0;

@@ -99,6 +99,17 @@ void MeshFile::expect_word(std::string_view expected) {
        " should be, so a count does not match what follows it; save the mesh again");
 }
 
+std::string MeshFile::quotation(const char *what) {
+  skip_blanks();
+  item_ = position_;
+  if (position_ == bytes_.size()) fail_at_end(what);
+  const std::size_t end = bytes_.find('"', position_ + 1);
+  if (bytes_[position_] != '"' || end == std::string::npos)
+    fail(std::string(what) + " does not stand in quotation marks; save the mesh again");
+  position_ = end + 1;
+  return bytes_.substr(item_ + 1, end - item_ - 1);
+}
+
 bool MeshFile::skip_past(std::string_view marker) {
   for (std::size_t found = position_; (found = bytes_.find(marker, found)) != std::string::npos;) {
     found += marker.size();

@@ -31,6 +31,8 @@ class MeshFile {
   std::string_view peek_word();
   /// Reads a word that must be `expected`.
   void expect_word(std::string_view expected);
+  /// Reads what stands between two quotation marks, blanks and all; they must come next.
+  std::string quotation(const char *what);
   /// Moves behind the next occurrence of `marker` as a word's end; false if there is none.
   bool skip_past(std::string_view marker);
   /// Moves to the next line; nothing but blanks may stand before it. Binary numbers follow there.

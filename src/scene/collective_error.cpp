@@ -2,7 +2,7 @@
 
 #include <new>
 
-#include "mesh/cell_list.hpp"
+#include "input_error.hpp"
 #include "petsc_compatibility.hpp"
 
 namespace trefoil {

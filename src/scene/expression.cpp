@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "mesh/cell_list.hpp"
+#include "input_error.hpp"
 
 namespace trefoil {
 namespace {

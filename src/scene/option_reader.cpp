@@ -65,21 +65,39 @@ PetscErrorCode OptionReader::text(const std::string &name, const std::string &he
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode OptionReader::number(const std::string &name, const std::string &help,
-                                    double *value) {
+PetscErrorCode OptionReader::find_number(const std::string &name, const std::string &help,
+                                         const std::string &default_text, double *value,
+                                         bool *found) {
   const char *given = nullptr;
-  bool found = false;
   PetscFunctionBeginUser;
-  std::ostringstream default_text;
-  default_text << *value;
-  PetscCall(find(name, help, default_text.str(), &given, &found));
-  if (!found) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(find(name, help, default_text, &given, found));
+  if (!*found) PetscFunctionReturn(PETSC_SUCCESS);
   std::istringstream words(given ? given : "");
   double read = 0;
   words >> read;
   PetscCheck(!words.fail() && (words >> std::ws).eof(), comm_, PETSC_ERR_USER_INPUT,
              "-%s is '%s', which is not a number", name.c_str(), given ? given : "");
   *value = read;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode OptionReader::number(const std::string &name, const std::string &help,
+                                    double *value) {
+  std::ostringstream default_text;
+  bool found = false;
+  PetscFunctionBeginUser;
+  default_text << *value;
+  PetscCall(find_number(name, help, default_text.str(), value, &found));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode OptionReader::number(const std::string &name, const std::string &help,
+                                    std::optional<double> *value) {
+  double read = 0;
+  bool found = false;
+  PetscFunctionBeginUser;
+  PetscCall(find_number(name, help, "", &read, &found));
+  if (found) *value = read;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -2,6 +2,7 @@
 
 #include <petscsys.h>
 
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -19,6 +20,9 @@ class OptionReader {
   /// @param value the default, replaced where the option is given
   PetscErrorCode text(const std::string &name, const std::string &help, std::string *value);
   PetscErrorCode number(const std::string &name, const std::string &help, double *value);
+  /// A number that has no default: left alone where the option is not given.
+  PetscErrorCode number(const std::string &name, const std::string &help,
+                        std::optional<double> *value);
   PetscErrorCode integer(const std::string &name, const std::string &help, PetscInt *value);
   PetscErrorCode flag(const std::string &name, const std::string &help, bool *value);
   /// Names, separated by commas or spaces.
@@ -32,6 +36,8 @@ class OptionReader {
  private:
   PetscErrorCode find(const std::string &name, const std::string &help,
                       const std::string &default_text, const char **value, bool *found);
+  PetscErrorCode find_number(const std::string &name, const std::string &help,
+                             const std::string &default_text, double *value, bool *found);
   /// The known name that is most like `option`.
   const std::string &nearest(const std::string &option) const;
   bool is_misspelt(const std::string &option, const std::vector<std::string> &prefixes) const;

@@ -4,7 +4,6 @@
 
 #include <cmath>
 
-#include "material/stable_neo_hookean.hpp"
 #include "mesh/check_mesh.hpp"
 #include "mesh/generate.hpp"
 #include "mesh/locality.hpp"
@@ -12,6 +11,8 @@
 #include "petsc_compatibility.hpp"
 #include "scene/collective_error.hpp"
 #include "scene/constraints.hpp"
+#include "scene/loads.hpp"
+#include "scene/regions.hpp"
 #include "term/elastic_term.hpp"
 
 namespace trefoil {
@@ -80,13 +81,35 @@ PetscErrorCode load_mesh(MPI_Comm comm, const SceneOptions &options, Mesh *mesh)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// The elastic term of the material that the options name.
-std::unique_ptr<Term> make_elastic_term(const SceneOptions &options, const Mesh &mesh) {
-  const ElasticConstants constants{options.young, options.poisson};
-  const auto lame =
-      options.lame == "raw" ? StableNeoHookean::Lame::raw : StableNeoHookean::Lame::physical;
-  return std::make_unique<ElasticTerm>(mesh,
-                                       make_material_model(StableNeoHookean(constants, lame)));
+/// The elastic term of the materials that the options name.
+std::unique_ptr<Term> make_elastic_term(const SceneOptions &options, const Mesh &mesh,
+                                        const std::vector<int> &region_of_cell) {
+  if (options.regions.empty()) {
+    return std::make_unique<ElasticTerm>(mesh, make_material(options.material));
+  }
+  std::vector<std::unique_ptr<MaterialModel>> materials;
+  materials.push_back(make_material(options.material));
+  for (const RegionOptions &region : options.regions) {
+    materials.push_back(make_material(region.material));
+  }
+  return std::make_unique<ElasticTerm>(mesh, MaterialRuns(std::move(materials), region_of_cell));
+}
+
+/// The term of the loads, where the options name any. Collective.
+PetscErrorCode add_loads(const std::vector<int> &region_of_cell, Scene *scene) {
+  const SceneOptions &options = scene->options;
+  std::vector<double> forces, densities{options.material.density};
+  PetscFunctionBeginUser;
+  if (!options.loads.any()) PetscFunctionReturn(PETSC_SUCCESS);
+  for (const RegionOptions &region : options.regions) densities.push_back(region.material.density);
+  for (const int region : region_of_cell) {
+    scene->density_of_cell.push_back(densities[static_cast<std::size_t>(region)]);
+  }
+  PetscCall(evaluate_loads(scene->mesh, options.loads, scene->density_of_cell, 1, &forces));
+  auto term = std::make_unique<DeadLoadTerm>(std::move(forces));
+  scene->loads = term.get();
+  scene->functional->add_term(std::move(term));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 }  // namespace
@@ -98,6 +121,7 @@ Scene::~Scene() {
 
 PetscErrorCode build_scene(MPI_Comm comm, const SceneOptions &options, Scene *scene) {
   HeldDofs held;
+  std::vector<int> region_of_cell;
   PetscLogDouble begin = 0, loaded = 0, end = 0;
   PetscFunctionBeginUser;
   scene->options = options;
@@ -115,7 +139,9 @@ PetscErrorCode build_scene(MPI_Comm comm, const SceneOptions &options, Scene *sc
                           "1, with which algebraic multigrid is slower\n"));
   }
   scene->functional = std::make_unique<EnergyFunctional>(scene->discretization);
-  scene->functional->add_term(make_elastic_term(options, scene->mesh));
+  PetscCall(assign_regions(scene->mesh, options.regions, &region_of_cell));
+  scene->functional->add_term(make_elastic_term(options, scene->mesh, region_of_cell));
+  PetscCall(add_loads(region_of_cell, scene));
   PetscCall(scene->discretization.create_vector(&scene->displacement));
   PetscCall(scene->discretization.create_matrix(&scene->hessian));
   if (options.assembly == "split") PetscCall(scene->functional->prepare(scene->hessian));

@@ -98,15 +98,8 @@ PetscErrorCode check_values(MPI_Comm comm, const SceneOptions &options) {
              "-mesh_refine and -mesh_resolution must not be negative");
   PetscCheck(options.resolution == 0 || options.mesh_file.empty(), comm, PETSC_ERR_USER_INPUT,
              "-mesh_resolution is for generated meshes; use -mesh_refine for a mesh from a file");
-  PetscCall(check_choice(comm, "material_model", options.model, {"stable_neo_hookean"}));
-  PetscCall(check_choice(comm, "material_lame", options.lame, {"physical", "raw"}));
-  PetscCheck(options.young > 0 && options.young < 1e300, comm, PETSC_ERR_USER_INPUT,
-             "-material_young is %g; Young's modulus must be positive", options.young);
-  PetscCheck(options.poisson > -1 && options.poisson < 0.5, comm, PETSC_ERR_USER_INPUT,
-             "-material_poisson is %g; Poisson's ratio must lie above -1 and below 0.5",
-             options.poisson);
-  PetscCheck(options.lame == "physical" || options.poisson > 0, comm, PETSC_ERR_USER_INPUT,
-             "-material_lame raw needs a positive Poisson's ratio, not %g", options.poisson);
+  PetscCheck(options.load_steps > 0, comm, PETSC_ERR_USER_INPUT,
+             "-load_steps is %" PetscInt_FMT "; give 1 or more", options.load_steps);
   PetscCall(check_files(comm, options));
   PetscCall(check_choice(comm, "initial", options.initial, {"rest", "harmonic", "arap"}));
   PetscCheck(options.initial_steps >= 0, comm, PETSC_ERR_USER_INPUT,
@@ -135,12 +128,11 @@ PetscErrorCode read_scene_options(MPI_Comm comm, SceneOptions *options) {
                         &options->repair));
   PetscCall(reader.text("mesh_partitioner", "metis, or a partitioner of PETSc such as ptscotch",
                         &options->partitioner));
-  PetscCall(reader.text("material_model", "stable_neo_hookean", &options->model));
-  PetscCall(reader.number("material_young", "Young's modulus, force per area", &options->young));
-  PetscCall(reader.number("material_poisson", "Poisson's ratio", &options->poisson));
-  PetscCall(reader.text("material_lame",
-                        "physical: E and nu of small strains; raw: the paper's constants",
-                        &options->lame));
+  PetscCall(read_material(comm, reader, "material", &options->material));
+  PetscCall(read_regions(comm, reader, options->material, &options->regions));
+  PetscCall(read_loads(comm, reader, &options->loads));
+  PetscCall(
+      reader.integer("load_steps", "Solves on the way of t from 0 to 1", &options->load_steps));
   PetscCall(read_constraints(comm, reader, options));
   PetscCall(
       reader.text("initial",
@@ -157,8 +149,8 @@ PetscErrorCode read_scene_options(MPI_Comm comm, SceneOptions *options) {
   PetscCall(
       reader.text("output_file", "Result for ParaView, an .xdmf file", &options->output_file));
   PetscCall(reader.text("snes_trefoil_record", "JSON record of the run", &options->record_file));
-  PetscCall(reader.refuse_unknown(
-      {"mesh_", "material_", "constraint", "initial", "order", "assembly", "output_"}));
+  PetscCall(reader.refuse_unknown({"mesh_", "material_", "region", "load", "constraint", "initial",
+                                   "order", "assembly", "output_"}));
   PetscCall(check_values(comm, *options));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -5,6 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "scene/load_options.hpp"
+#include "scene/material_options.hpp"
+#include "scene/region_options.hpp"
+
 namespace trefoil {
 
 /// Part of a boundary condition: which vertices, and where they go.
@@ -20,8 +24,10 @@ struct SceneOptions {
   PetscInt resolution = 0, refine = 0;
   bool normalize = false;
   std::string repair = "none", partitioner = "metis";
-  std::string model = "stable_neo_hookean", lame = "physical";
-  double young = 1e6, poisson = 0.45;
+  MaterialOptions material;
+  std::vector<RegionOptions> regions;
+  LoadOptions loads;
+  PetscInt load_steps = 1;
   std::vector<ConstraintOptions> constraints;
   std::string initial = "arap";
   PetscInt initial_steps = 20;  ///< local/global steps of arap

@@ -1,6 +1,10 @@
 #include "scene/solve.hpp"
 
+#include <petsctime.h>
+
 #include "petsc_compatibility.hpp"
+#include "scene/load_steps.hpp"
+#include "scene/start_check.hpp"
 #include "snes/solve_context.hpp"
 
 namespace trefoil {
@@ -87,7 +91,7 @@ PetscErrorCode set_default_linear_solver(SNES snes) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode set_defaults(SNES snes, const SolveOutcome &outcome) {
+PetscErrorCode set_defaults(SNES snes, const SolveOutcome &outcome, double head_start) {
   SolveContext *context = nullptr;
   PetscReal absolute = 0, step = 0;
   PetscInt iterations = 0, functions = 0;
@@ -100,7 +104,7 @@ PetscErrorCode set_defaults(SNES snes, const SolveOutcome &outcome) {
   context->options.monitor = true;
   context->options.search = "subspace";
   context->options.trust_start = outcome.guess.linear_solves > 0 || outcome.inverted_at_start == 0;
-  context->head_start = outcome.guess.seconds;
+  context->head_start = head_start;
   PetscCall(set_default_linear_solver(snes));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -159,40 +163,58 @@ PetscErrorCode make_start(Scene &scene, SolveOutcome *outcome) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-}  // namespace
-
-PetscErrorCode solve_scene(Scene &scene, SolveOutcome *outcome) {
+/// Solves from the scene's displacement on and appends the plugin's record.
+PetscErrorCode solve_from_start(Scene &scene, double head_start, SolveOutcome *outcome,
+                                std::vector<std::string> *records) {
   const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(scene.mesh.dm));
   SNES snes = nullptr;
   SolveContext *context = nullptr;
   SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
-  EnergySums start, end;
+  EnergySums start;
   PetscFunctionBeginUser;
-  PetscCall(make_start(scene, outcome));
   PetscCall(SNESCreate(comm, &snes));
   PetscCall(scene.functional->attach(snes, scene.hessian, assembly_of(scene.options)));
-  PetscCall(set_defaults(snes, *outcome));
+  PetscCall(set_defaults(snes, *outcome, head_start));
   PetscCall(SNESSetFromOptions(snes));
   PetscCall(check_solver(snes));
   PetscCall(get_solve_context(snes, &context));
   PetscCall(set_options(*context));      // also where another type of SNES does not read them
   context->options.record_file.clear();  // the program writes it, completed
 
-  PetscCall(scene.functional->energy_at_rest(&outcome->energy_rest));
   PetscCall(scene.functional->energy(scene.displacement, &start));
-  PetscCheck(std::isfinite(start.energy), comm, PETSC_ERR_USER_INPUT,
-             "the energy of the start is not finite (%lld elements are inverted); check the "
-             "constraints' displacements",
-             static_cast<long long>(outcome->inverted_at_start));
-
+  PetscCall(check_start(scene, start.energy));
   PetscCall(solve(snes, scene.displacement));
   PetscCall(SNESGetConvergedReason(snes, &reason));
   outcome->converged = reason > 0;
-  outcome->plugin_record = context->record;
+  records->push_back(context->record);
+  PetscCall(SNESDestroy(&snes));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+}  // namespace
+
+PetscErrorCode solve_scene(Scene &scene, SolveOutcome *outcome) {
+  const PetscInt steps = scene.options.load_steps;
+  LoadPath path(scene, steps);
+  std::vector<std::string> records;
+  PetscLogDouble begin = 0, now = 0;
+  EnergySums end;
+  PetscFunctionBeginUser;
+  if (steps > 1) PetscCall(path.check());
+  PetscCall(PetscTime(&begin));
+  PetscCall(scene.functional->energy_at_rest(&outcome->energy_rest));
+  outcome->converged = true;
+  for (PetscInt step = 1; step <= steps && outcome->converged; ++step) {
+    if (steps > 1) PetscCall(path.go_to(step, &outcome->guess));
+    if (step == 1) PetscCall(make_start(scene, outcome));
+    PetscCall(PetscTime(&now));
+    const double head_start = steps > 1 ? now - begin : outcome->guess.seconds;
+    PetscCall(solve_from_start(scene, head_start, outcome, &records));
+  }
+  outcome->plugin_record = join_records(records);
   PetscCall(scene.functional->energy(scene.displacement, &end));
   outcome->energy_scale = end.scale;
   PetscCall(scene.functional->count_inverted(scene.displacement, &outcome->inverted));
-  PetscCall(SNESDestroy(&snes));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -4,6 +4,7 @@
 
 #include "element/tet4.hpp"
 #include "element/tet4_packs.hpp"
+#include "material/material_runs.hpp"
 #include "mesh/mesh.hpp"
 #include "petsc_compatibility.hpp"
 #include "term/term.hpp"
@@ -13,44 +14,58 @@ namespace trefoil {
 /// The elastic energy of a body of linear tetrahedra: sum over the elements of psi(F) V.
 class ElasticTerm final : public Term {
  public:
+  /// A body of one material.
   ElasticTerm(const Mesh &mesh, std::unique_ptr<MaterialModel> material)
-      : ElasticTerm(mesh, std::make_shared<Tet4Packs>(pack_tetrahedra(mesh)), std::move(material)) {
-  }
+      : ElasticTerm(mesh, MaterialRuns(std::move(material), mesh.local_cells())) {}
 
-  ElasticTerm(const Mesh &mesh, std::shared_ptr<const Tet4Packs> packs,
-              std::unique_ptr<MaterialModel> material)
-      : mesh_(mesh), material_(std::move(material)), packs_(std::move(packs)) {
-    for (double volume : packs_->volumes) volume_ += volume;
-    Matrix3<double> identity;
-    for (int i = 0; i < 3; ++i) identity(i, i) = 1;
-    rest_density_ = material_->energy_density(identity);
-    Tangent<double> tangent;
-    material_->tangent(identity, tangent);
-    for (std::size_t p = 0; p < 9; ++p) mean_stiffness_ += tangent[10 * p] / 9;
+  /// A body of several materials.
+  ElasticTerm(const Mesh &mesh, MaterialRuns materials)
+      : ElasticTerm(mesh, std::make_shared<Tet4Packs>(pack_tetrahedra(mesh)),
+                    std::move(materials)) {}
+
+  ElasticTerm(const Mesh &mesh, std::shared_ptr<const Tet4Packs> packs, MaterialRuns materials)
+      : mesh_(mesh), materials_(std::move(materials)), packs_(std::move(packs)) {
+    for (PetscInt c = 0; c < packs_->elements; ++c) {
+      stiffness_ += materials_.stiffness_of(c) * volume(c);
+    }
+    for (const auto &run : materials_.runs()) {
+      for (PetscInt c = lanes * run.first; run.is_mixed && c < lanes * (run.first + 1); ++c) {
+        if (c < packs_->elements) mixed_rest_energy_ += materials_.rest_density_of(c) * volume(c);
+      }
+    }
   }
 
   void add_energy(const double *u, EnergySums *sums) const override {
-    double energies[2] = {0, 0};
-    kernels_.energy(*material_, *packs_, 0, packs_->packs(), u, rest_density_, energies);
+    double energies[2] = {mixed_rest_energy_, 0};
+    materials_.for_each_run(0, packs_->packs(), [&](const MaterialRuns::Run &run) {
+      kernels_.energy(*run.material, *packs_, run.first, run.count, u, run.rest_density, energies);
+    });
     sums->energy += energies[0];
     sums->scale += energies[1];
-    sums->stiffness += mean_stiffness_ * volume_;
+    sums->stiffness += stiffness_;
   }
 
   void add_energy_changes(const double *u, std::size_t, int directions, const double *const *d,
                           int points, const double *coefficients, double *changes) const override {
-    kernels_.energy_changes(*material_, *packs_, 0, packs_->packs(), u, directions, d, points,
-                            coefficients, changes);
+    materials_.for_each_run(0, packs_->packs(), [&](const MaterialRuns::Run &run) {
+      kernels_.energy_changes(*run.material, *packs_, run.first, run.count, u, directions, d,
+                              points, coefficients, changes);
+    });
   }
 
   void add_gradient(const double *u, double *gradient) const override {
-    kernels_.forces(*material_, *packs_, 0, packs_->packs(), u, gradient);
+    materials_.for_each_run(0, packs_->packs(), [&](const MaterialRuns::Run &run) {
+      kernels_.forces(*run.material, *packs_, run.first, run.count, u, gradient);
+    });
   }
 
   [[nodiscard]] const Tet4Packs *packs() const override { return packs_.get(); }
 
   void reduced_hessians(PetscInt first, PetscInt count, const double *u, double *K) const override {
-    kernels_.reduced_hessians(*material_, *packs_, first, count, u, K);
+    materials_.for_each_run(first, count, [&](const MaterialRuns::Run &run) {
+      kernels_.reduced_hessians(*run.material, *packs_, run.first, run.count, u,
+                                K + reduced_entries * lanes * (run.first - first));
+    });
   }
 
   PetscErrorCode add_hessian(const double *u, ElementHessianSink &sink) const override {
@@ -61,7 +76,7 @@ class ElasticTerm final : public Term {
       Tangent<double> tangent;
       double H[Tet4::dofs * Tet4::dofs];
       PetscInt dofs[Tet4::dofs];
-      material_->tangent(F, tangent);
+      materials_.of_cell(c).tangent(F, tangent);
       tet.hessian(tangent, H);
       for (int a = 0; a < 4; ++a) {
         for (int i = 0; i < 3; ++i) dofs[3 * a + i] = static_cast<PetscInt>(dof(c, a, i));
@@ -75,20 +90,25 @@ class ElasticTerm final : public Term {
   void describe_cells(const double *u, double *det, double *energy_density) const override {
     for_each_element(u, [&](PetscInt c, const Tet4 &, const Matrix3<double> &F) {
       det[c] = determinant(F);
-      energy_density[c] = material_->energy_density(F);
+      energy_density[c] = materials_.of_cell(c).energy_density(F);
     });
   }
 
+  /// Each material by its own stiffness, so that stiff parts stay as they are.
   [[nodiscard]] std::unique_ptr<Term> spreading(Spreading kind) const override {
-    return std::make_unique<ElasticTerm>(
-        mesh_, packs_,
-        kind == Spreading::harmonic ? make_material_model(HarmonicSpreading(mean_stiffness_))
-                                    : make_material_model(RigidSpreading(mean_stiffness_)));
+    const auto make = [kind](double stiffness) {
+      return kind == Spreading::harmonic ? make_material_model(HarmonicSpreading(stiffness))
+                                         : make_material_model(RigidSpreading(stiffness));
+    };
+    return std::make_unique<ElasticTerm>(mesh_, packs_, materials_.by_stiffness(make));
   }
 
-  [[nodiscard]] double bytes() const override { return packs_->bytes(); }
+  [[nodiscard]] double bytes() const override { return packs_->bytes() + materials_.bytes(); }
 
  private:
+  [[nodiscard]] double volume(PetscInt c) const {
+    return packs_->volumes[static_cast<std::size_t>(c)];
+  }
   /// Local number of component i of corner a of cell c.
   [[nodiscard]] std::size_t dof(PetscInt c, int a, int i) const {
     return static_cast<std::size_t>(3 * mesh_.cells[static_cast<std::size_t>(4 * c + a)] + i);
@@ -111,10 +131,11 @@ class ElasticTerm final : public Term {
   }
 
   const Mesh &mesh_;
-  std::unique_ptr<MaterialModel> material_;
+  MaterialRuns materials_;
   std::shared_ptr<const Tet4Packs> packs_;
   Tet4Kernels kernels_ = tet4_kernels();
-  double rest_density_ = 0, mean_stiffness_ = 0, volume_ = 0;
+  double stiffness_ = 0;          ///< energy of a strain of order one
+  double mixed_rest_energy_ = 0;  ///< what the models of mixed runs leave out
 };
 
 }  // namespace trefoil

@@ -42,6 +42,8 @@ class Term {
                                   const double *const *d, int points, const double *coefficients,
                                   double *changes) const;
   virtual void add_gradient(const double *u, double *gradient) const = 0;
+  /// Whether the term has any: one that is linear in u does not.
+  [[nodiscard]] virtual bool has_hessian() const { return true; }
   virtual PetscErrorCode add_hessian(const double *u, ElementHessianSink &sink) const = 0;
   /// The term's elements in packs, whose reduced Hessians reduced_hessians() makes in batches; null
   /// where it has no batched path.

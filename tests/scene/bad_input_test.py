@@ -212,6 +212,64 @@ MATERIALS = [
     ("nu missing", scene() + ["-material_poisson"], ["-material_poisson", "not a number"]),
     ("raw with negative nu", scene(material_poisson="-0.2", material_lame="raw"),
      ["-material_lame raw", "-0.2"]),
+    ("raw of another model", scene(material_model="arap", material_lame="raw"),
+     ["-material_model arap", "raw"]),
+    ("volume of a model without", scene(material_model="corotated", material_volume="1"),
+     ["-material_model corotated", "volume"]),
+    ("negative volume", scene(material_model="arap", material_volume="-1"),
+     ["-material_model arap", "-1", "no least value"]),
+    ("no least energy", scene(material_model="neo_hookean", material_poisson="-0.2"),
+     ["-material_model neo_hookean", "negative Poisson's ratio"]),
+    ("mu without lambda", scene(material_mu="1e6"), ["-material_mu", "-material_lambda"]),
+    ("mu beside nu", scene(material_mu="1e6", material_lambda="1e6", material_poisson="0.3"),
+     ["-material_mu", "-material_poisson"]),
+    ("negative mu", scene(material_mu="-1", material_lambda="1"), ["-material_mu", "-1"]),
+    ("second invariant", scene(material_second_invariant="2"), ["second_invariant", "2"]),
+    ("negative density", scene(material_density="-1"), ["-material_density", "-1"]),
+]
+
+
+def region(**changes):
+    """The scene with a region, some of whose options are changed."""
+    options = {"where": "z > 0.4", **changes}
+    return scene(regions="top", **{"region_top_" + name: value for name, value in options.items()})
+
+
+def load(**changes):
+    """The scene with a load on top, some of whose options are changed."""
+    options = {"where": "z == zmax", "traction": "0, 0, 1", **changes}
+    return scene(loads="top", **{"load_top_" + name: value for name, value in options.items()})
+
+
+REGIONS_AND_LOADS = [
+    ("region nowhere", scene(regions="top"), ["'top'", "-region_top_where", "-region_top_group"]),
+    ("region twice chosen", region(group="5"), ["'top'", "-region_top_group"]),
+    ("empty region", region(where="z > 3"), ["'top'", "no cell", "z > 3"]),
+    ("group of a mesh without", region(where=None, group="5"), ["'top'", "no cell", "'5'"]),
+    ("unknown group", region(where=None, group="bone"), ["'bone'", "it names none"]),
+    ("overlapping regions", region() + ["-regions", "top,all", "-region_all_where", "1"],
+     ["'top' and 'all'", "rest position"]),
+    ("region named twice", region() + ["-regions", "top,top"], ["'top' twice"]),
+    ("malformed region", region(where="z >"), ["-region_top_where", "z >"]),
+    ("free region", region(where="free"), ["-region_top_where", "free"]),
+    ("region's material", region(material_model="jelly"), ["-region_top_material_model", "jelly"]),
+    ("region's Poisson", region(material_poisson="0.5"), ["-region_top_material_poisson", "0.5"]),
+    ("region's misspelt", region(material_yung="1"), ["-region_top_material_young"]),
+    ("load without a place", load(where=None), ["'top'", "-load_top_where"]),
+    ("load without a traction", load(traction=None), ["'top'", "-load_top_traction"]),
+    ("load nowhere", load(where="z > 3"), ["'top'", "no facet", "z > 3"]),
+    ("load inside", load(where="z == 0.5"), ["'top'", "no facet"]),
+    ("load of two values", load(traction="0, 1"), ["-load_top_traction", "2 values"]),
+    ("free load", load(traction="0, free, 1"), ["-load_top_traction", "free"]),
+    ("malformed load", load(traction="0, 0, ("), ["-load_top_traction"]),
+    ("load named twice", load() + ["-loads", "top,top"], ["'top' twice"]),
+    ("no steps", scene(load_steps="0"), ["-load_steps is 0"]),
+    ("steps of nothing", scene(load_steps="3"), ["-load_steps 3", "depend on t"]),
+    ("other vertices", low(where="z <= t/2", move="0, 0, t") + ["-load_steps", "2"],
+     ["other vertices", "depend on t"]),
+    ("gravity without mass", scene(load_gravity="0, 0, -9.81"), ["-material_density"]),
+    ("gravity of two values", scene(load_gravity="0, -9.81", material_density="1"),
+     ["-load_gravity", "2 values"]),
 ]
 
 OPTIONS = [
@@ -370,6 +428,9 @@ class BadInput(WithInputs):
 
     def test_materials(self):
         self.check_all(MATERIALS)
+
+    def test_regions_and_loads(self):
+        self.check_all(REGIONS_AND_LOADS)
 
     def test_options(self):
         self.check_all(OPTIONS)

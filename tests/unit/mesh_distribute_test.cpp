@@ -9,6 +9,7 @@
 #include <set>
 
 #include "mesh/generate.hpp"
+#include "mesh/locality.hpp"
 #include "mesh/mesh.hpp"
 #include "petsc_compatibility.hpp"
 
@@ -195,6 +196,58 @@ TEST_P(DistributeTest, RefinementMakesEightOfOne) {
   EXPECT_NEAR(after / before, 1, 1e-12);
   EXPECT_TRUE(std::adjacent_find(cells.begin(), cells.end()) == cells.end());
   expect_numbering(mesh_);
+}
+
+/// Whether p lies in a tetrahedron.
+bool contains(const Cell &cell, const Point &p) {
+  for (std::size_t a = 0; a < 4; ++a) {
+    Cell part = cell;
+    part[a] = p;
+    if (!(volume(part) > 0)) return false;
+  }
+  return true;
+}
+
+/// Every cell is a group of its own here, so that none can be taken for another.
+TEST_P(DistributeTest, GroupsStayWithTheirCells) {
+  for (PetscInt c = 0; c < whole_.size(); ++c) whole_.groups.push_back(c + 1);
+  whole_.group_names = {{"first one", 1}, {"second", 2}};
+  order_along_curve(whole_);
+  const std::vector<Cell> cells = cells_of(whole_.cells, whole_.coordinates);
+  std::vector<Cell> cell_of_group(cells.size());
+  for (std::size_t c = 0; c < cells.size(); ++c)
+    cell_of_group[static_cast<std::size_t>(whole_.groups[c]) - 1] = cells[c];
+  const std::map<std::string, PetscInt> names = whole_.group_names;
+  for (const PetscInt refine : {0, 1}) {
+    Mesh mesh;
+    ASSERT_EQ(distribute_mesh(PETSC_COMM_WORLD, rank_ == 0 ? whole_ : CellList{},
+                              GetParam().partitioner, refine, &mesh),
+              PETSC_SUCCESS);
+    EXPECT_EQ(mesh.group_names, names);
+    const std::vector<Cell> local = cells_of(mesh.cells, mesh.coordinates);
+    ASSERT_EQ(mesh.groups.size(), local.size());
+    for (std::size_t c = 0; c < local.size(); ++c) {
+      Point centre{};
+      for (const Point &corner : local[c])
+        for (std::size_t i = 0; i < 3; ++i) centre[i] += corner[i] / 4;
+      const auto group = static_cast<std::size_t>(mesh.groups[c]);
+      ASSERT_TRUE(contains(cell_of_group[group - 1], centre)) << refine << ' ' << c;
+    }
+  }
+}
+
+/// The curve's order is the same with groups and without, and takes them along.
+TEST(GroupTest, TheCurveTakesThemAlong) {
+  CellList plain = generate_mesh("ball", 2, 0), grouped = plain;
+  for (PetscInt c = 0; c < plain.size(); ++c) grouped.groups.push_back(c);
+  const std::vector<Cell> before = cells_of(plain.cells, plain.coordinates);
+  order_along_curve(plain);
+  order_along_curve(grouped);
+  EXPECT_EQ(grouped.cells, plain.cells);
+  EXPECT_TRUE(plain.groups.empty());
+  const std::vector<Cell> after = cells_of(grouped.cells, grouped.coordinates);
+  for (std::size_t c = 0; c < after.size(); ++c)
+    ASSERT_TRUE(after[c] == before[static_cast<std::size_t>(grouped.groups[c])]) << c;
 }
 
 TEST(PartitionerTest, UnknownNamesAreErrorsOnAllRanks) {

@@ -180,7 +180,8 @@ TEST(ReadMesh, RefusesBadGmsh) {
   expect_refused(replaced(ascii_4_1, "1.5", "inf"), {"node 3", "not finite"});
   expect_refused(replaced(ascii_4_1, "$Nodes\n2 5", "$Nodes\n2 6"), {"hold 5 nodes", "6"});
   expect_refused(replaced(ascii_4_1, "3 1 4 2", "3 1 11 2"), {"type 11", "quadratic"});
-  expect_refused(replaced(ascii_4_1, "$EndPhysicalNames", ""), {"$PhysicalNames", "truncated"});
+  expect_refused(replaced(ascii_4_1, "$EndPhysicalNames", ""),
+                 {"$EndPhysicalNames", "save the mesh again"});
   expect_refused(ascii_4_1.substr(0, ascii_4_1.find("$Elements")), {"no tetrahedra"});
   expect_refused(ascii_4_1.substr(0, ascii_4_1.find("$Nodes")), {"no $Nodes"});
   expect_refused(gmsh_2_2({two_tetrahedra().mesh, {1, 2, 3, 4, 5}}, Encoding::binary) + "rest",

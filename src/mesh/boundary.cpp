@@ -1,0 +1,129 @@
+#include "mesh/boundary.hpp"
+
+#include <petscsf.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "petsc_compatibility.hpp"
+
+namespace trefoil {
+namespace {
+
+using Key = std::array<PetscInt, 3>;  ///< global numbers, ascending
+
+Key key_of(const Mesh &mesh, const Facet &facet) {
+  Key key{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    key[i] = mesh.global_vertex[static_cast<std::size_t>(facet[i])];
+  }
+  return key;
+}
+
+/// The facets that only one of this rank's cells has.
+std::vector<Facet> single_facets(const Mesh &mesh) {
+  std::vector<std::pair<Key, Facet>> all;
+  all.reserve(mesh.cells.size());
+  for (std::size_t c = 0; c + 3 < mesh.cells.size(); c += 4) {
+    for (std::size_t opposite = 0; opposite < 4; ++opposite) {
+      Facet facet{};
+      for (std::size_t i = 0; i < 3; ++i) facet[i] = mesh.cells[c + (opposite + i + 1) % 4];
+      std::sort(facet.begin(), facet.end(), [&](PetscInt a, PetscInt b) {
+        return mesh.global_vertex[static_cast<std::size_t>(a)] <
+               mesh.global_vertex[static_cast<std::size_t>(b)];
+      });
+      all.emplace_back(key_of(mesh, facet), facet);
+    }
+  }
+  std::sort(all.begin(), all.end());
+  std::vector<Facet> single;
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    const bool like_last = k > 0 && all[k - 1].first == all[k].first;
+    const bool like_next = k + 1 < all.size() && all[k + 1].first == all[k].first;
+    if (!like_last && !like_next) single.push_back(all[k].second);
+  }
+  return single;
+}
+
+/// Keeps the facets that no other rank has: all ranks that have one send it to the same rank, which
+/// answers how many there are.
+PetscErrorCode drop_shared(const Mesh &mesh, std::vector<Facet> *facets) {
+  const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(mesh.dm));
+  PetscMPIInt ranks = 0;
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Comm_size(comm, &ranks));
+  if (ranks == 1) PetscFunctionReturn(PETSC_SUCCESS);
+  const auto judge = [&](const Facet &facet) {
+    return static_cast<std::size_t>(key_of(mesh, facet)[0] % ranks);
+  };
+  std::stable_sort(facets->begin(), facets->end(),
+                   [&](const Facet &a, const Facet &b) { return judge(a) < judge(b); });
+  const auto parts = static_cast<std::size_t>(ranks);
+  std::vector<PetscMPIInt> send(parts, 0), receive(parts, 0), send_at(parts, 0),
+      receive_at(parts, 0);
+  std::vector<PetscInt> mine;
+  for (const Facet &facet : *facets) {
+    const Key key = key_of(mesh, facet);
+    mine.insert(mine.end(), key.begin(), key.end());
+    send[judge(facet)] += 3;
+  }
+  PetscCallMPI(MPI_Alltoall(send.data(), 1, MPI_INT, receive.data(), 1, MPI_INT, comm));
+  std::exclusive_scan(send.begin(), send.end(), send_at.begin(), 0);
+  std::exclusive_scan(receive.begin(), receive.end(), receive_at.begin(), 0);
+  std::vector<PetscInt> judged(static_cast<std::size_t>(receive_at.back() + receive.back()));
+  PetscCallMPI(MPI_Alltoallv(mine.data(), send.data(), send_at.data(), MPIU_INT, judged.data(),
+                             receive.data(), receive_at.data(), MPIU_INT, comm));
+  std::vector<Key> sorted;
+  for (std::size_t k = 0; k < judged.size(); k += 3) {
+    sorted.push_back({judged[k], judged[k + 1], judged[k + 2]});
+  }
+  std::sort(sorted.begin(), sorted.end());
+  for (std::size_t k = 0; k < judged.size(); k += 3) {  // the answer takes the first number's place
+    const Key key{judged[k], judged[k + 1], judged[k + 2]};
+    const auto [first, last] = std::equal_range(sorted.begin(), sorted.end(), key);
+    judged[k] = static_cast<PetscInt>(last - first);
+  }
+  PetscCallMPI(MPI_Alltoallv(judged.data(), receive.data(), receive_at.data(), MPIU_INT,
+                             mine.data(), send.data(), send_at.data(), MPIU_INT, comm));
+  std::vector<Facet> kept;
+  for (std::size_t k = 0; k < facets->size(); ++k) {
+    if (mine[3 * k] == 1) kept.push_back((*facets)[k]);
+  }
+  facets->swap(kept);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+}  // namespace
+
+PetscErrorCode boundary_facets(const Mesh &mesh, const std::function<bool(const Facet &)> &wanted,
+                               std::vector<Facet> *facets) {
+  PetscFunctionBeginUser;
+  facets->clear();
+  for (const Facet &facet : single_facets(mesh)) {
+    if (wanted(facet)) facets->push_back(facet);
+  }
+  PetscCall(drop_shared(mesh, facets));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode sum_at_owners(const Mesh &mesh, std::vector<double> *values) {
+  PetscSF points = nullptr;
+  PetscInt begin = 0, end = 0;
+  PetscFunctionBeginUser;
+  PetscCall(DMGetPointSF(mesh.dm, &points));
+  PetscCall(DMPlexGetChart(mesh.dm, &begin, &end));
+  const auto first = static_cast<std::size_t>(mesh.first_vertex - begin);
+  std::vector<double> component(static_cast<std::size_t>(end - begin), 0), sum;
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t v = 0; v < mesh.owned.size(); ++v) component[first + v] = (*values)[3 * v + i];
+    sum = component;
+    PetscCall(PetscSFReduceBegin(points, MPI_DOUBLE, component.data(), sum.data(), MPI_SUM));
+    PetscCall(PetscSFReduceEnd(points, MPI_DOUBLE, component.data(), sum.data(), MPI_SUM));
+    for (std::size_t v = 0; v < mesh.owned.size(); ++v) {
+      (*values)[3 * v + i] = mesh.owned[v] ? sum[first + v] : 0;
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+}  // namespace trefoil

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <array>
+#include <functional>
+#include <vector>
+
+#include "mesh/mesh.hpp"
+
+namespace trefoil {
+
+/// A triangle of the body's surface, by its local vertices in the order of their global numbers.
+using Facet = std::array<PetscInt, 3>;
+
+/// The facets of this rank's cells that belong to no other cell, of this rank or another, and that
+/// `wanted` takes; each of the whole mesh's is on one rank. Collective; what `wanted` says of a
+/// facet must depend on nothing but its vertices.
+PetscErrorCode boundary_facets(const Mesh &mesh, const std::function<bool(const Facet &)> &wanted,
+                               std::vector<Facet> *facets);
+
+/// Adds up, at the rank that owns each vertex, what all ranks have for it, 3 numbers a local
+/// vertex; zero where another rank owns it. Collective.
+PetscErrorCode sum_at_owners(const Mesh &mesh, std::vector<double> *values);
+
+}  // namespace trefoil

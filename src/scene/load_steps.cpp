@@ -1,0 +1,111 @@
+#include "scene/load_steps.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include "petsc_compatibility.hpp"
+#include "scene/constraints.hpp"
+#include "scene/loads.hpp"
+
+namespace trefoil {
+
+LoadPath::~LoadPath() {
+  static_cast<void>(VecDestroy(&spread_));  // an error has nowhere to go from here
+}
+
+PetscErrorCode LoadPath::check() {
+  const SceneOptions &options = scene_.options;
+  const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(scene_.mesh.dm));
+  HeldDofs first, last;
+  std::vector<double> first_forces, last_forces;
+  PetscMPIInt changes = 0;
+  PetscFunctionBeginUser;
+  PetscCall(hold_vertices(scene_.mesh, options.constraints, 1. / steps_, &first));
+  PetscCall(hold_vertices(scene_.mesh, options.constraints, 1, &last));
+  if (scene_.loads) {
+    PetscCall(evaluate_loads(scene_.mesh, options.loads, scene_.density_of_cell, 1. / steps_,
+                             &first_forces));
+    PetscCall(evaluate_loads(scene_.mesh, options.loads, scene_.density_of_cell, 1, &last_forces));
+  }
+  changes = first.value != last.value || first_forces != last_forces;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &changes, 1, MPI_INT, MPI_MAX, comm));
+  PetscCheck(changes, comm, PETSC_ERR_USER_INPUT,
+             "-load_steps %" PetscInt_FMT
+             " would repeat one solve: let a displacement or a load depend on t, which goes from "
+             "0 to 1, such as -constraint_NAME_move \"0, 0, 0.5*t\"",
+             steps_);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode LoadPath::set_time(double time) {
+  const SceneOptions &options = scene_.options;
+  HeldDofs held;
+  PetscFunctionBeginUser;
+  PetscCall(hold_vertices(scene_.mesh, options.constraints, time, &held));
+  PetscCall(scene_.discretization.set_prescribed(held));
+  if (scene_.loads) {
+    std::vector<double> forces;
+    PetscCall(evaluate_loads(scene_.mesh, options.loads, scene_.density_of_cell, time, &forces));
+    scene_.loads->set_forces(std::move(forces));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// x += h(t) - h(t before), h the harmonic extension of the prescribed displacements.
+PetscErrorCode LoadPath::follow(PetscInt step, GuessCost *cost) {
+  Vec before = spread_;
+  GuessCost spent;
+  PetscFunctionBeginUser;
+  PetscCall(VecDuplicate(scene_.displacement, &spread_));
+  PetscCall(VecSet(spread_, 0));
+  PetscCall(spread_displacements(*scene_.functional, scene_.discretization, scene_.hessian, 0,
+                                 spread_, &spent));
+  if (step > 1) {
+    PetscCall(VecAXPY(scene_.displacement, 1, spread_));
+    PetscCall(VecAXPY(scene_.displacement, -1, before));
+  }
+  PetscCall(VecDestroy(&before));
+  cost->linear_solves += spent.linear_solves;
+  cost->seconds += spent.seconds;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode LoadPath::go_to(PetscInt step, GuessCost *cost) {
+  const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(scene_.mesh.dm));
+  const double time = step == steps_ ? 1 : static_cast<double>(step) / steps_;
+  PetscFunctionBeginUser;
+  PetscCall(PetscPrintf(comm, "load step %" PetscInt_FMT " of %" PetscInt_FMT ", t = %g\n", step,
+                        steps_, time));
+  PetscCall(set_time(time));
+  if (scene_.options.initial != "rest") PetscCall(follow(step, cost));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+std::string join_records(const std::vector<std::string> &records) {
+  using Json = nlohmann::ordered_json;
+  if (records.size() == 1) return records.front();
+  Json joined, history = Json::array();
+  for (std::size_t step = 0; step < records.size(); ++step) {
+    Json record = Json::parse(records[step], nullptr, false);
+    if (!record.is_object()) return "";
+    for (Json entry : record["history"]) {
+      entry["k"] = history.size();
+      entry["load_step"] = step + 1;
+      history.push_back(entry);
+    }
+    if (step > 0) {
+      for (const char *count : {"iterations", "linear_solves", "line_search_trials"}) {
+        record["result"][count] =
+            record["result"][count].get<int>() + joined["result"][count].get<int>();
+      }
+      record["result"]["energy_start"] = joined["result"]["energy_start"];
+      for (auto &[phase, seconds] : record["time"].items()) {
+        seconds = seconds.get<double>() + joined["time"][phase].get<double>();
+      }
+    }
+    joined = record;
+  }
+  joined["history"] = history;
+  return joined.dump(1);
+}
+
+}  // namespace trefoil

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <petscsys.h>
+
+#include <memory>
+#include <string>
+
+#include "material/material_registry.hpp"
+#include "scene/option_reader.hpp"
+
+namespace trefoil {
+
+/// A material as the user describes it.
+struct MaterialOptions {
+  std::string model = "stable_neo_hookean";
+  MaterialParameters parameters{{1e6, 0.45}};
+  double density = 0;  ///< mass per rest volume; for gravity
+};
+
+/// Reads -PREFIX_model, _young, _poisson or _mu, _lambda and the rest, each with what `options` has
+/// as its default. Values out of range, and what no material can be made of, are errors with one
+/// sentence on all ranks. Collective.
+PetscErrorCode read_material(MPI_Comm comm, OptionReader &reader, const std::string &prefix,
+                             MaterialOptions *options);
+
+/// The material; read_material() has made sure that there is one.
+std::unique_ptr<MaterialModel> make_material(const MaterialOptions &options);
+
+}  // namespace trefoil

@@ -1,0 +1,102 @@
+#include "scene/regions.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <sstream>
+
+#include "input_error.hpp"
+#include "petsc_compatibility.hpp"
+#include "scene/collective_error.hpp"
+#include "scene/expression.hpp"
+
+namespace trefoil {
+namespace {
+
+/// The number of a group that the user gives by name or by number. Throws InputError.
+PetscInt find_group(const Mesh &mesh, const RegionOptions &region) {
+  const std::string &text = region.group;
+  const auto named = mesh.group_names.find(text);
+  if (named != mesh.group_names.end()) return named->second;
+  PetscInt number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error == std::errc{} && end == text.data() + text.size()) return number;
+  std::string list;
+  for (const auto &[name, value] : mesh.group_names) list += (list.empty() ? "" : ", ") + name;
+  throw InputError("-region_" + region.name + "_group: the mesh has no physical group '" + text +
+                   "'; " + (list.empty() ? "it names none" : "it names: " + list));
+}
+
+std::array<double, 3> centroid(const Mesh &mesh, std::size_t cell) {
+  std::array<double, 3> sum{};
+  for (std::size_t a = 0; a < 4; ++a) {
+    const auto vertex = static_cast<std::size_t>(mesh.cells[4 * cell + a]);
+    for (std::size_t i = 0; i < 3; ++i) sum[i] += mesh.coordinates[3 * vertex + i] / 4;
+  }
+  return sum;
+}
+
+/// Which local cells a region takes. Throws InputError.
+std::vector<char> cells_of(const Mesh &mesh, const RegionOptions &region) {
+  const auto cells = static_cast<std::size_t>(mesh.local_cells());
+  std::vector<char> taken(cells, 0);
+  if (!region.group.empty()) {
+    const PetscInt group = find_group(mesh, region);
+    for (std::size_t c = 0; c < mesh.groups.size(); ++c) taken[c] = mesh.groups[c] == group;
+    return taken;
+  }
+  const std::string option = "-region_" + region.name + "_where";
+  const Expression where(region.where, option, mesh.box_min, mesh.box_max);
+  for (std::size_t c = 0; c < cells; ++c) {
+    const double chosen = where.evaluate(centroid(mesh, c).data(), 1, 1)[0];
+    if (Expression::is_free(chosen)) {
+      throw InputError(option + ": 'free' is for displacements, not for a choice of cells");
+    }
+    taken[c] = chosen != 0;
+  }
+  return taken;
+}
+
+/// Gives a region its cells and counts them. Throws InputError where one is another's.
+PetscInt take(const Mesh &mesh, const std::vector<RegionOptions> &regions, std::size_t which,
+              std::vector<int> &region_of_cell) {
+  const std::vector<char> taken = cells_of(mesh, regions[which]);
+  for (std::size_t c = 0; c < taken.size(); ++c) {
+    if (!taken[c]) continue;
+    const int other = region_of_cell[c];
+    if (other) {
+      const std::array<double, 3> p = centroid(mesh, c);
+      std::ostringstream text;
+      text << "regions '" << regions[static_cast<std::size_t>(other) - 1].name << "' and '"
+           << regions[which].name << "' both take the cell at rest position (" << p[0] << ", "
+           << p[1] << ", " << p[2] << "); give each cell one material";
+      throw InputError(text.str());
+    }
+    region_of_cell[c] = static_cast<int>(which) + 1;
+  }
+  return static_cast<PetscInt>(std::count(taken.begin(), taken.end(), 1));
+}
+
+}  // namespace
+
+PetscErrorCode assign_regions(const Mesh &mesh, const std::vector<RegionOptions> &regions,
+                              std::vector<int> *region_of_cell) {
+  const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(mesh.dm));
+  PetscFunctionBeginUser;
+  region_of_cell->assign(static_cast<std::size_t>(mesh.local_cells()), 0);
+  for (std::size_t which = 0; which < regions.size(); ++which) {
+    PetscInt count = 0;
+    const std::string complaint =
+        complaint_of([&] { count = take(mesh, regions, which, *region_of_cell); });
+    PetscCall(agree_on_complaint(comm, complaint));
+    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &count, 1, MPIU_INT, MPI_SUM, comm));
+    const RegionOptions &region = regions[which];
+    PetscCheck(count > 0, comm, PETSC_ERR_USER_INPUT,
+               "region '%s' takes no cell: -region_%s_%s is '%s'", region.name.c_str(),
+               region.name.c_str(), region.where.empty() ? "group" : "where",
+               (region.where.empty() ? region.group : region.where).c_str());
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+}  // namespace trefoil

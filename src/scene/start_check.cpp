@@ -1,0 +1,57 @@
+#include "scene/start_check.hpp"
+
+#include <array>
+#include <cmath>
+
+#include "petsc_compatibility.hpp"
+
+namespace trefoil {
+namespace {
+
+std::array<double, 3> centroid(const Mesh &mesh, std::size_t cell) {
+  std::array<double, 3> sum{};
+  for (std::size_t a = 0; a < 4; ++a) {
+    const auto vertex = static_cast<std::size_t>(mesh.cells[4 * cell + a]);
+    for (std::size_t i = 0; i < 3; ++i) sum[i] += mesh.coordinates[3 * vertex + i] / 4;
+  }
+  return sum;
+}
+
+}  // namespace
+
+PetscErrorCode check_start(const Scene &scene, double energy) {
+  const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(scene.mesh.dm));
+  constexpr double beyond_bodies = 1e100;  // of a determinant: numbers too large to be squared
+  PetscMPIInt rank = 0, ranks = 0, speaker = 0;
+  PetscInt64 counts[2] = {0, 0};  // inverted elements of infinite energy, and others of it
+  std::array<double, 3> first{};
+  EnergyFunctional::CellReport report;
+  PetscFunctionBeginUser;
+  if (std::isfinite(energy)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCallMPI(MPI_Comm_rank(comm, &rank));
+  PetscCallMPI(MPI_Comm_size(comm, &ranks));
+  PetscCall(scene.functional->describe_cells(scene.displacement, &report));
+  for (std::size_t c = 0; c < report.energy_density.size(); ++c) {
+    if (std::isfinite(report.energy_density[c])) continue;
+    const bool inverted = report.determinant[c] <= 0 && report.determinant[c] > -beyond_bodies;
+    if (counts[0] + counts[1] == 0) first = centroid(scene.mesh, c);
+    ++counts[inverted ? 0 : 1];
+  }
+  speaker = counts[0] + counts[1] ? rank : ranks;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &speaker, 1, MPI_INT, MPI_MIN, comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, counts, 2, MPIU_INT64, MPI_SUM, comm));
+  if (speaker < ranks) PetscCallMPI(MPI_Bcast(first.data(), 3, MPI_DOUBLE, speaker, comm));
+  PetscCheck(counts[0] > 0 && counts[1] == 0, comm, PETSC_ERR_USER_INPUT,
+             "the energy of the start is not finite; check the constraints' displacements and the "
+             "loads");
+  const bool at_once = scene.options.initial == "rest";
+  SETERRQ(comm, PETSC_ERR_USER_INPUT,
+          "the energy of the start is infinite: %s %lld elements, the first at rest position (%g, "
+          "%g, %g), which the material does not allow; %sapply the displacements in -load_steps, "
+          "or take a material that allows it, such as stable_neo_hookean",
+          at_once ? "the prescribed vertices, moved at once, invert" : "it inverts",
+          static_cast<long long>(counts[0]), first[0], first[1], first[2],
+          at_once ? "spread the displacements with -initial harmonic or -initial arap, " : "");
+}
+
+}  // namespace trefoil

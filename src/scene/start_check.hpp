@@ -1,0 +1,11 @@
+#pragma once
+
+#include "scene/scene.hpp"
+
+namespace trefoil {
+
+/// Refuses a start whose energy is not finite, which no search can lead away from: the sentence
+/// counts the elements, says where the first one lies, and names the ways out. Collective.
+PetscErrorCode check_start(const Scene &scene, double energy);
+
+}  // namespace trefoil
