@@ -195,7 +195,7 @@ class Record(unittest.TestCase):
     def test_keys_and_sums(self):
         record = record_of(KNOT, 2)
         result, time, history = record["result"], record["time"], record["history"]
-        self.assertEqual(set(time), {"total", "read", "setup", "assembly", "filter",
+        self.assertEqual(set(time), {"total", "read", "setup", "guess", "assembly", "filter",
                                      "linear_solve", "line_search", "output", "other"})
         self.assertAlmostEqual(sum(time.values()) - time["total"], time["total"],
                                delta=1e-6 * time["total"])
