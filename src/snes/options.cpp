@@ -65,10 +65,11 @@ PetscErrorCode check_values(const SolverOptions &options, MPI_Comm comm) {
              options.rule.rho_tolerance);
   PetscCheck(options.rule.weight >= 0, comm, PETSC_ERR_USER_INPUT,
              "-snes_trefoil_weight is %g and must not be negative", options.rule.weight);
-  PetscCheck(options.corrections >= 0 && options.correction_gain >= 0, comm, PETSC_ERR_USER_INPUT,
-             "-snes_trefoil_corrections (%d) and -snes_trefoil_correction_gain (%g) must not be "
-             "negative",
-             options.corrections, options.correction_gain);
+  PetscCheck(
+      options.corrections >= -1 && options.correction_gain >= 0, comm, PETSC_ERR_USER_INPUT,
+      "-snes_trefoil_corrections (%d) must be at least -1 and -snes_trefoil_correction_gain (%g) "
+      "not negative",
+      options.corrections, options.correction_gain);
   PetscCheck(options.decrement_tolerance >= 0 && options.energy_tolerance >= 0, comm,
              PETSC_ERR_USER_INPUT,
              "the tolerances -snes_trefoil_decrement_tolerance (%g) and "
@@ -118,8 +119,9 @@ PetscErrorCode set_options(SolveContext &context) {
                                "", options.search.c_str(), search.data(), search.size(), &found));
   if (found) options.search = search.data();
   PetscCall(PetscOptionsInt("-snes_trefoil_corrections",
-                            "subspace: most further directions from the same factors", "",
-                            corrections, &corrections, nullptr));
+                            "subspace: most further directions an iteration, by the same linear "
+                            "solver; -1: 8 where it is direct, else 0",
+                            "", corrections, &corrections, nullptr));
   PetscCall(PetscOptionsReal("-snes_trefoil_correction_gain",
                              "subspace: least share of the first step's decrease to go on", "",
                              gain, &gain, nullptr));

@@ -121,14 +121,28 @@ PetscErrorCode steer_direction(SolveContext &context, Line &line) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// How many corrections pay: many from factors, none from an iterative solver.
+static PetscErrorCode most_corrections(const SolveContext &context, KSP ksp, int *most) {
+  constexpr int from_factors = 8;
+  PetscBool direct = PETSC_FALSE;
+  PetscFunctionBegin;
+  PetscCall(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(ksp), KSPPREONLY, &direct));
+  *most = context.options.corrections >= 0 ? context.options.corrections
+          : direct                         ? from_factors
+                                           : 0;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode correct_step(SolveContext &context, SNESLineSearch search, Line &line) {
   constexpr PetscInt most_trials = 5;
   IterationRecord &current = context.current;
   const double first_decrease = line.energy - line.trial_energy;
   KSP ksp = nullptr;
   PetscFunctionBegin;
+  int most = 0;
   PetscCall(SNESGetKSP(context.snes, &ksp));
-  for (int k = 0; k < context.options.corrections; ++k) {
+  PetscCall(most_corrections(context, ksp, &most));
+  for (int k = 0; k < most; ++k) {
     PetscScalar slope = 0;
     bool accepted = false;
     const Phase phase = context.clock.switch_to(Phase::linear_solve);

@@ -21,7 +21,9 @@ struct SolverOptions {
   std::string filter = "adaptive";
   RuleParameters rule;
   std::string search = "armijo";
-  int corrections = 8;             ///< with search `subspace`; 0: none
+  /// With search `subspace`: most further directions an iteration; -1: 8 where the linear solver is
+  /// direct, none where it is iterative and each costs nearly as much as the first.
+  int corrections = -1;
   double correction_gain = 0.03;   ///< least share of the first step's decrease to go on correcting
   bool trust_start = false;        ///< the start has no crushed elements
   double decrement_tolerance = 0;  ///< energy units; 0: off
