@@ -5,7 +5,7 @@ import os
 import re
 import subprocess
 import tempfile
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 EXAMPLES = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 GENERATED = [os.path.join(EXAMPLES, name) for name in
@@ -17,7 +17,7 @@ class Scene:
     """An option file with options that come after it; `paper` is the row of the paper's results."""
     name: str
     options: tuple
-    paper: dict = None
+    paper: dict = field(default=None, compare=False)
 
 
 @dataclass(frozen=True)
@@ -163,11 +163,11 @@ def seconds(record):
 def rules_of(program):
     """The rules that the program knows, from its help; `constant`, which wants a weight, is left
     out."""
-    text = subprocess.run([program, "-mesh_generate", "box", "-mesh_resolution", "1",
-                           "-snes_trefoil_filter", "?"], stdout=subprocess.PIPE,
-                          stderr=subprocess.STDOUT, text=True, env=environment(),
-                          check=False).stdout
-    found = re.search(r"the filters are: ([\w, ]+)", text)
+    text = subprocess.run([program, "-options_file", GENERATED[0], "-help"],
+                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                          env=environment(), check=False).stdout
+    found = re.search(r"-snes_trefoil_filter <[^>]*>: Filter of the element Hessians: ([\w, ]+)",
+                      text)
     if not found:
         raise SystemExit(f"speed_against_error: {program} does not tell its filters:\n{text}")
     return [name.strip() for name in found.group(1).split(",") if name.strip() != "constant"]
