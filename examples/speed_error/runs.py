@@ -115,6 +115,8 @@ class Runner:
         """The fastest record so far; None where the program gave none."""
         path = self.path(scene, method)
         known = read(path) if self.reuse or fresh else None
+        if known and known.get("command") != self.command(scene, method):
+            known = None  # that of another scene or method under the same name
         if known and not fresh:
             return known
         record = self.run_once(scene, method)
@@ -122,15 +124,20 @@ class Runner:
             return known
         if known and seconds(known) <= seconds(record):
             return known
+        record["command"] = self.command(scene, method)
         with open(path + ".part", "w", encoding="utf-8") as file:
             json.dump(record, file)
         os.replace(path + ".part", path)
         return record
 
+    def command(self, scene, method):
+        """What makes the run, the program itself and its output aside."""
+        return [*scene.options, *method.options(), *self.options]
+
     def run_once(self, scene, method):
         with tempfile.TemporaryDirectory() as folder:
             file = os.path.join(folder, "record.json")
-            command = [self.program, *scene.options, *method.options(), *self.options,
+            command = [self.program, *self.command(scene, method),
                        "-output_file", os.path.join(folder, "fields.xdmf"),
                        "-snes_trefoil_monitor", "false", "-snes_trefoil_record", file]
             if self.ranks > 1:

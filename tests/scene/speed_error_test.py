@@ -134,6 +134,50 @@ class Paper(unittest.TestCase):
                                                   self.ROW))
 
 
+class Running(unittest.TestCase):
+    """With a program that only counts its runs and takes longer in the first and the third."""
+
+    PROGRAM = """#!/usr/bin/python3
+import json, os, sys
+counter = os.path.join(os.path.dirname(sys.argv[0]), "counter")
+count = os.path.getsize(counter) + 1 if os.path.exists(counter) else 1
+open(counter, "a").write("x")
+record = sys.argv[sys.argv.index("-snes_trefoil_record") + 1]
+if "-fail" in sys.argv:
+    sys.exit("trefoil: there is no such mesh")
+json.dump({"run": count, "history": [{"seconds": 2 + count % 2}],
+           "result": {"iterations": 1, "converged": True}}, open(record, "w"))
+"""
+
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+        self.program = os.path.join(self.folder.name, "program")
+        with open(self.program, "w", encoding="utf-8") as file:
+            file.write(self.PROGRAM)
+        os.chmod(self.program, 0o755)
+
+    def run_all(self, reuse=False, options=(), repeats=1):
+        runner = runs.Runner(self.program, 1, options, os.path.join(self.folder.name, "records"),
+                             reuse, 60)
+        record = runner.run_all([SCENE], METHODS[:1], repeats, lambda line: None)
+        return runner, record[SCENE, METHODS[0]]
+
+    def test_the_fastest_of_the_repeats_is_kept(self):
+        self.assertEqual(self.run_all(repeats=3)[1]["run"], 2)
+
+    def test_reuse(self):
+        self.run_all()
+        self.assertEqual(self.run_all(reuse=True)[1]["run"], 1)
+        self.assertEqual(self.run_all(reuse=True, options=["-mesh_refine", "1"])[1]["run"], 2)
+        self.assertEqual(self.run_all()[1]["run"], 3)
+
+    def test_a_failure_is_told(self):
+        runner, record = self.run_all(options=["-fail"])
+        self.assertIsNone(record)
+        self.assertIn("there is no such mesh", runner.summary(SCENE, METHODS[0], None))
+
+
 class QuickRun(unittest.TestCase):
     def test_tables_and_plots(self):
         tool = os.path.join(ROOT, "examples", "speed_against_error")
