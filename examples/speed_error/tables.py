@@ -101,27 +101,22 @@ def stop_tests(judged, references, methods):
             + markdown(["method", "scene", *map(power, STOP_TOLERANCES)], rows) + "\n")
 
 
-def paper_comparison(records, paper_records, methods):
-    """To the energy at which the paper's method stops: every scene, then means and worst."""
+def compare_with_paper(records, paper_records, methods):
+    """{method: {scene: what against_paper() says, or None}}"""
+    return {method: {scene: judgement.against_paper(records[scene, method], theirs, scene.paper)
+                     if theirs and records.get((scene, method)) else None
+                     for scene, theirs in paper_records.items()} for method in methods}
+
+
+def paper_overview(comparison):
+    """To the energy at which the paper's method stops: a row a method, means and worst."""
     header = ["method", "scenes", "iterations: mean", "worst", "seconds: mean", "worst"]
-    rows, details = [], []
-    for method in methods:
-        compared, missed = [], []
-        for scene, theirs in paper_records.items():
-            record = records.get((scene, method))
-            here = (judgement.against_paper(record, theirs, scene.paper)
-                    if record and theirs else None)
-            if here is None:
-                missed.append(scene.name)
-                details.append([method.name, scene.name, scene.paper["iterations"],
-                                "not reached", "-", "-"])
-                continue
-            compared.append((here[1:], scene.name))
-            details.append([method.name, scene.name, scene.paper["iterations"], here[0],
-                            number(here[1]), number(here[2])])
-        row = [method.name, f"{len(compared)} of {len(paper_records)}"]
-        for quantity in (0, 1):
-            values = [(ratios[quantity], name) for ratios, name in compared]
+    rows = []
+    for method, scenes in comparison.items():
+        reached = {scene: here for scene, here in scenes.items() if here}
+        row = [method.name, f"{len(reached)} of {len(scenes)}"]
+        for quantity in (1, 2):
+            values = [(here[quantity], scene.name) for scene, here in reached.items()]
             worst = max(values, default=(math.nan, ""))
             row += [number(geometric_mean(value for value, _ in values), 3),
                     f"{number(worst[0])} {worst[1]}"]
@@ -129,6 +124,12 @@ def paper_comparison(records, paper_records, methods):
     return ("## Against the paper\n\nTo the energy at which the paper's method stops: iterations "
             "relative to the paper's count, seconds (guess\nincluded) relative to its method run "
             "here. Geometric means and worst over the scenes in which it is\nreached.\n\n"
-            + markdown(header, rows) + "\n"
-            + markdown(["method", "scene", "paper's iterations", "iterations", "ratio",
-                        "seconds ratio"], details) + "\n")
+            + markdown(header, rows) + "\n")
+
+
+def paper_by_scene(comparison):
+    rows = [[method.name, scene.name, scene.paper["iterations"],
+             *((here[0], number(here[1]), number(here[2])) if here else ("not reached", "-", "-"))]
+            for method, scenes in comparison.items() for scene, here in scenes.items()]
+    return markdown(["method", "scene", "paper's iterations", "iterations", "ratio",
+                     "seconds ratio"], rows) + "\n"

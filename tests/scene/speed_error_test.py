@@ -125,9 +125,15 @@ class Paper(unittest.TestCase):
 
     def test_table(self):
         scene, method = runs.Scene("of the paper", (), self.ROW), METHODS[0]
-        text = tables.paper_comparison({(scene, method): record_with([9.0, 5.0])},
-                                       {scene: record_with([9.0] * 4)}, [method])
-        self.assertIn(f"| {method.name} | 1 of 1 | 0.500 | 0.50 of the paper | 0.500 |", text)
+        lost = runs.Scene("not reached", (), self.ROW)
+        comparison = tables.compare_with_paper(
+            {(scene, method): record_with([9.0, 5.0]), (lost, method): record_with([9.0])},
+            {scene: record_with([9.0] * 4), lost: record_with([9.0])}, [method])
+        self.assertIn(f"| {method.name} | 1 of 2 | 0.500 | 0.50 of the paper | 0.500 |",
+                      tables.paper_overview(comparison))
+        by_scene = tables.paper_by_scene(comparison)
+        self.assertIn(f"| {method.name} | of the paper | 4 | 2 | 0.50 | 0.50 |", by_scene)
+        self.assertIn(f"| {method.name} | not reached | 4 | not reached | - | - |", by_scene)
 
     def test_never_below(self):
         self.assertIsNone(judgement.against_paper(record_with([9.0, 6.0]), record_with([9.0]),
