@@ -1,6 +1,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "output/error_table.hpp"
 #include "output/result.hpp"
 #include "petsc_compatibility.hpp"
 
@@ -57,6 +58,7 @@ PetscErrorCode complete_record(const Scene &scene, const SolveOutcome &outcome,
   record["result"]["energy_scale"] = outcome.energy_scale;
   record["result"]["guess_linear_solves"] = outcome.guess.linear_solves;
   record["result"]["inverted"] = outcome.inverted;
+  record["result"]["error_table"] = error_table(record);
   record["memory"]["mesh_bytes"] = bytes;
   complete_times(record["time"], {seconds[0], seconds[1], seconds[2], seconds[3], seconds[4]});
   *json = record.dump(1);
@@ -77,6 +79,7 @@ PetscErrorCode print_summary(MPI_Comm comm, const std::string &json) {
   PetscCall(PetscPrintf(comm, "energy %.14g, gradient norm %.3g, inverted elements %d\n",
                         number(result["energy"]), number(result["gradient_norm"]),
                         result["inverted"].get<int>()));
+  PetscCall(PetscPrintf(comm, "%s", text_of_error_table(result["error_table"]).c_str()));
   PetscCall(PetscPrintf(comm, "seconds %.3g:", number(time["total"])));
   for (const char *phase : {"read", "setup", "guess", "assembly", "filter", "linear_solve",
                             "line_search", "output", "other"}) {

@@ -79,6 +79,8 @@ PetscErrorCode replace_direction(SolveContext &context, Line &line, double weigh
   line.slope = -PetscRealPart(slope);
   context.current.decrement = std::abs(line.slope) / 2;
   context.current.linear_iterations = static_cast<int>(linear_iterations);
+  context.current.linear_solves = context.summary.linear_solves;
+  context.current.seconds = context.head_start + context.clock.elapsed();
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

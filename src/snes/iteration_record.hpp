@@ -20,6 +20,7 @@ struct IterationRecord {
   double decrement = none;    ///< |g'd| / 2 of the full direction d, energy units
   double indefinite = 0;      ///< share of the elements with a negative eigenvalue, 0..1
   int linear_iterations = 0;  ///< of the Krylov solver
+  int linear_solves = 0;      ///< since the solve began, that of this direction included
   double seconds = 0;         ///< since the solve began
 };
 

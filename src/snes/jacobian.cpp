@@ -55,6 +55,7 @@ PetscErrorCode record_foreign_iteration(SolveContext &context, Vec x) {
   PetscCall(energy_at(context, x, &current.energy));
   PetscCall(SNESGetFunction(context.snes, &residual, nullptr, nullptr));
   PetscCall(VecNorm(residual, NORM_2, &current.gradient_norm));
+  current.linear_solves = context.summary.linear_solves + 1;  // with the one to come
   current.seconds = seconds;
   current.indefinite = IterationRecord::none;
   context.history.push_back(current);

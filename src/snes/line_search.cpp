@@ -79,6 +79,7 @@ static PetscErrorCode open_line(SolveContext &context, SNESLineSearch search, Li
   current.energy = line.energy;
   current.decrement = std::abs(line.slope) / 2;
   current.linear_iterations = static_cast<int>(linear_iterations);
+  current.linear_solves = context.summary.linear_solves;
   current.rho = IterationRecord::none;
   current.step = 0;
   current.trials = 0;

@@ -30,6 +30,7 @@ Json iteration_json(const IterationRecord &entry) {
           {"gradient_norm", number(entry.gradient_norm)},
           {"indefinite", number(entry.indefinite)},
           {"linear_iterations", entry.linear_iterations},
+          {"linear_solves", entry.linear_solves},
           {"seconds", entry.seconds}};
 }
 
@@ -173,6 +174,7 @@ PetscErrorCode close_history(SolveContext &context) {
   last.k = context.history.empty() ? 0 : context.history.back().k + 1;
   last.weight = context.current.weight;
   last.indefinite = IterationRecord::none;
+  last.linear_solves = context.summary.linear_solves;
   last.seconds = context.head_start + context.clock.elapsed();
   PetscCall(SNESGetSolution(context.snes, &x));
   PetscCall(energy_at(context, x, &last.energy));

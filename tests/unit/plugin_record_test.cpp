@@ -42,7 +42,7 @@ TEST(RecordTest, HasEveryKeyOfTheContract) {
       EXPECT_TRUE(host.record.at(section).contains(name)) << section << '.' << name;
   for (const auto &entry : host.history())
     for (const char *name : {"k", "energy", "weight", "rho", "step", "trials", "decrement",
-                             "indefinite", "linear_iterations", "seconds"})
+                             "indefinite", "linear_iterations", "linear_solves", "seconds"})
       EXPECT_TRUE(entry.contains(name)) << "history." << name;
 }
 
@@ -69,6 +69,7 @@ TEST_P(FilterTest, CountsAgreeWithTheCallbacks) {
   double seconds = 0;
   for (std::size_t k = 0; k < history.size(); ++k) {
     EXPECT_EQ(history[k].at("k"), k);
+    EXPECT_EQ(history[k].at("linear_solves"), k + 1);  // this search makes no corrections
     trials += history[k].at("trials").get<int>();
     const JacobianCall &call = host.chain.calls[k];
     EXPECT_NEAR(history[k].at("energy"), host.chain.energy(call.x), 1e-14) << k;

@@ -1,0 +1,1 @@
+"""The parts of examples/speed_against_error: runs, judgement, tables and plots."""
