@@ -42,9 +42,8 @@ class Corotated {
   template <class Real>
   void tangent(const Matrix3<Real> &F, Tangent<Real> &A) const {
     const SignedSvd<Real> svd = signed_svd(F);
-    A.fill(Real(0.0));
+    set_square(lambda_, rotation_of(svd), A);
     add_identity(2.0 * mu_, A);
-    add_square(lambda_, rotation_of(svd), A);
     add_rotation_derivative(lambda_ * trace_of_strain(svd) - 2.0 * mu_, svd, A);
   }
 

@@ -24,7 +24,8 @@ using SceneMaterials = std::tuple<  //
     Corotated,                      //
     StVenantKirchhoff>;
 
-/// What the library compiles for every instruction set: these, and the energies of starting guesses.
+/// What the library compiles for every instruction set: these, and the energies of starting
+/// guesses.
 using MaterialList = decltype(std::tuple_cat(
     std::declval<SceneMaterials>(), std::declval<std::tuple<HarmonicSpreading, RigidSpreading>>()));
 

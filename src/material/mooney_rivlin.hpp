@@ -45,9 +45,8 @@ class MooneyRivlin {
 
   template <class Real>
   void tangent(const Matrix3<Real> &F, Tangent<Real> &A) const {
-    A.fill(Real(0.0));
+    set_square(4.0 * c2_, F, A);
     add_identity(2.0 * (c1_ + c2_ * squared_norm(F)), A);
-    add_square(4.0 * c2_, F, A);
     add_cube_derivative(-2.0 * c2_, F, A);
     volume_.add_tangent(F, A);
   }

@@ -40,8 +40,7 @@ class NeoHookean {
   template <class Real>
   void tangent(const Matrix3<Real> &F, Tangent<Real> &A) const {
     const Real J = determinant(F), slope = lambda_ * log(J) - mu_;
-    A.fill(Real(0.0));
-    add_square((lambda_ - slope) / (J * J), cofactor(F), A);
+    set_square((lambda_ - slope) / (J * J), cofactor(F), A);
     add_identity(mu_, A);
     add_cofactor_derivative(slope / J, F, A);
   }

@@ -41,9 +41,8 @@ class StVenantKirchhoff {
 
   template <class Real>
   void tangent(const Matrix3<Real> &F, Tangent<Real> &A) const {
-    A.fill(Real(0.0));
+    set_square(lambda_, F, A);
     add_identity(0.5 * lambda_ * (squared_norm(F) - 3.0) - mu_, A);
-    add_square(lambda_, F, A);
     add_cube_derivative(mu_, F, A);
   }
 

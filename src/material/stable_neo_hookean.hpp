@@ -43,8 +43,7 @@ class StableNeoHookean {
   /// dP/dF = mu I + lambda cof F (x) cof F + lambda (J - alpha) d(cof F)/dF.
   template <class Real>
   void tangent(const Matrix3<Real> &F, Tangent<Real> &A) const {
-    A.fill(Real(0.0));
-    add_square(lambda_, cofactor(F), A);
+    set_square(lambda_, cofactor(F), A);
     add_identity(mu_, A);
     add_cofactor_derivative(lambda_ * (determinant(F) - alpha_), F, A);
   }

@@ -50,9 +50,8 @@ class SymmetricDirichlet {
     const Matrix3<Real> C = cofactor(F);
     const Real over_J = 1.0 / determinant(F), over_J2 = over_J * over_J;
     const Real over_J3 = over_J2 * over_J, I2 = squared_norm(C);
-    A.fill(Real(0.0));
+    set_square(4.0 * weight_ * over_J2, F, A);
     add_identity(2.0 * weight_ * (1.0 + squared_norm(F) * over_J2), A);
-    add_square(4.0 * weight_ * over_J2, F, A);
     add_cube_derivative(-2.0 * weight_ * over_J2, F, A);
     add_product(-2.0 * weight_ * over_J3, second_invariant_derivative(F), C, A);
     add_square(6.0 * weight_ * I2 * over_J3 * over_J, C, A);

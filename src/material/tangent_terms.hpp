@@ -14,6 +14,15 @@ void add_identity(const Factor &factor, Tangent<Real> &A) {
   for (std::size_t p = 0; p < 9; ++p) A[10 * p] = A[10 * p] + factor;
 }
 
+/// A = factor X (x) X: a sum that begins with this one needs no zeros to add to.
+template <class Real, class Factor>
+void set_square(const Factor &factor, const Matrix3<Real> &X, Tangent<Real> &A) {
+  for (std::size_t p = 0; p < 9; ++p) {
+    const Real scaled = factor * X.entries[p];
+    for (std::size_t q = 0; q < 9; ++q) A[9 * p + q] = scaled * X.entries[q];
+  }
+}
+
 /// A += factor X (x) X.
 template <class Real, class Factor>
 void add_square(const Factor &factor, const Matrix3<Real> &X, Tangent<Real> &A) {

@@ -1,0 +1,154 @@
+// A body of several materials: what each element has is what it has in a body of its material
+// alone, also in packs that several share.
+
+#include "material/material_runs.hpp"
+
+#include <gtest/gtest.h>
+
+#include "filter/reduced_filter.hpp"
+#include "material/material_registry.hpp"
+#include "matrix3_support.hpp"
+#include "mesh/generate.hpp"
+#include "term/elastic_term.hpp"
+
+namespace trefoil::test {
+namespace {
+
+const std::vector<std::string> names{"stable_neo_hookean", "arap", "neo_hookean"};
+
+std::unique_ptr<MaterialModel> material(std::size_t which) {
+  return make_material(names[which], {{which == 1 ? 1e6 : 2.0, 0.3}});
+}
+
+class MaterialRunsTest : public testing::Test {
+ protected:
+  MaterialRunsTest() {
+    const CellList whole = generate_mesh("box", 3, 0);
+    mesh_.cells = whole.cells;
+    mesh_.cells.resize(4 * 157);  // 19 packs and five cells
+    mesh_.coordinates = whole.coordinates;
+    Random random(8);
+    for (std::size_t k = 0; k < mesh_.coordinates.size(); ++k) {
+      u_.push_back(0.02 * random.uniform());
+      direction_.push_back(0.01 * random.uniform());
+    }
+    for (PetscInt c = 0; c < mesh_.local_cells(); ++c) {
+      material_of_cell_.push_back(c < 80 ? c % 3 : c < 100 ? 2 : c < 128 ? 1 : 0);
+    }
+  }
+
+  [[nodiscard]] ElasticTerm mixed() const {
+    std::vector<std::unique_ptr<MaterialModel>> materials;
+    for (std::size_t m = 0; m < names.size(); ++m) materials.push_back(material(m));
+    return ElasticTerm(mesh_, MaterialRuns(std::move(materials), material_of_cell_));
+  }
+
+  [[nodiscard]] std::vector<double> hessians(const ElasticTerm &term, PetscInt first,
+                                             PetscInt count) const {
+    std::vector<double> K(static_cast<std::size_t>(count * reduced_entries * lanes));
+    term.reduced_hessians(first, count, u_.data(), K.data());
+    return K;
+  }
+
+  Mesh mesh_;
+  std::vector<double> u_, direction_;
+  std::vector<int> material_of_cell_;
+};
+
+TEST_F(MaterialRunsTest, RunsAreAsLongAsTheyCanBe) {
+  std::vector<std::unique_ptr<MaterialModel>> materials;
+  for (std::size_t m = 0; m < names.size(); ++m) materials.push_back(material(m));
+  const MaterialRuns runs(std::move(materials), material_of_cell_);
+  std::vector<std::array<PetscInt, 3>> found;
+  for (const auto &run : runs.runs()) found.push_back({run.first, run.count, run.is_mixed});
+  std::vector<std::array<PetscInt, 3>> expected;
+  for (PetscInt pack = 0; pack < 10; ++pack) expected.push_back({pack, 1, 1});
+  // Cells 80 to 95, the pack of 96 to 103, up to 127, and the rest, its filled-up pack included.
+  for (const auto &run :
+       std::vector<std::array<PetscInt, 3>>{{10, 2, 0}, {12, 1, 1}, {13, 3, 0}, {16, 4, 0}})
+    expected.push_back(run);
+  EXPECT_EQ(found, expected);
+}
+
+TEST_F(MaterialRunsTest, HessiansAreThoseOfEachMaterialAlone) {
+  const ElasticTerm term = mixed();
+  for (const auto &[first, count] : {std::pair<PetscInt, PetscInt>{0, 20}, {7, 9}, {11, 1}}) {
+    const std::vector<double> K = hessians(term, first, count);
+    for (std::size_t m = 0; m < names.size(); ++m) {
+      const std::vector<double> alone = hessians(ElasticTerm(mesh_, material(m)), first, count);
+      for (std::size_t k = 0; k < K.size(); ++k) {
+        const std::size_t pack = k / (reduced_entries * lanes), lane = k % lanes;
+        const std::size_t cell = std::min((static_cast<std::size_t>(first) + pack) * lanes + lane,
+                                          material_of_cell_.size() - 1);
+        if (material_of_cell_[cell] == static_cast<int>(m)) {
+          ASSERT_EQ(K[k], alone[k]) << cell;
+        }
+      }
+    }
+  }
+}
+
+TEST_F(MaterialRunsTest, EnergyIsTheSumOverTheCells) {
+  const ElasticTerm term = mixed();
+  EnergySums sums, expected;
+  term.add_energy(u_.data(), &sums);
+  std::vector<double> determinant(material_of_cell_.size()), density(determinant.size()),
+      at_rest(determinant.size());
+  term.describe_cells(u_.data(), determinant.data(), density.data());
+  const std::vector<double> rest(u_.size(), 0);
+  term.describe_cells(rest.data(), determinant.data(), at_rest.data());
+  constexpr double volume = 1. / 162;
+  for (std::size_t c = 0; c < density.size(); ++c) {
+    expected.energy += volume * density[c];
+    expected.scale += volume * std::abs(density[c] - at_rest[c]);
+  }
+  EXPECT_NEAR(sums.energy / expected.energy, 1, 1e-12);
+  EXPECT_NEAR(sums.scale / expected.scale, 1, 1e-12);
+  EnergySums still;
+  term.add_energy(rest.data(), &still);
+  EXPECT_NEAR(still.scale / sums.scale, 0, 1e-12);
+  EXPECT_GT(still.energy, 0) << "stable Neo-Hookean's";
+}
+
+TEST_F(MaterialRunsTest, GradientAndChangesAreThoseOfTheEnergy) {
+  const ElasticTerm term = mixed();
+  const auto energy_at = [&](double s) {
+    std::vector<double> moved = u_;
+    for (std::size_t k = 0; k < moved.size(); ++k) moved[k] += s * direction_[k];
+    EnergySums sums;
+    term.add_energy(moved.data(), &sums);
+    return sums.energy;
+  };
+  std::vector<double> gradient(u_.size(), 0);
+  term.add_gradient(u_.data(), gradient.data());
+  double slope = 0, size = 0;
+  for (std::size_t k = 0; k < gradient.size(); ++k) {
+    slope += gradient[k] * direction_[k];
+    size += std::abs(gradient[k] * direction_[k]);
+  }
+  EXPECT_NEAR(derivative(1e-2, energy_at), slope, 1e-7 * size);
+
+  const double coefficients[] = {-0.5, 0.25, 1};
+  const double *directions[] = {direction_.data()};
+  double changes[3] = {0, 0, 0};
+  term.add_energy_changes(u_.data(), u_.size(), 1, directions, 3, coefficients, changes);
+  for (int point = 0; point < 3; ++point) {
+    const double change = energy_at(coefficients[point]) - energy_at(0);
+    EXPECT_NEAR(changes[point] / change, 1, 1e-9) << point;
+  }
+}
+
+/// Spreading energies keep the cells' stiffnesses apart.
+TEST_F(MaterialRunsTest, SpreadingKeepsTheStiffness) {
+  std::vector<std::unique_ptr<MaterialModel>> materials;
+  for (std::size_t m = 0; m < names.size(); ++m) materials.push_back(material(m));
+  const MaterialRuns runs(std::move(materials), material_of_cell_);
+  const MaterialRuns spreading = runs.by_stiffness(
+      [](double stiffness) { return make_material_model(HarmonicSpreading(stiffness)); });
+  for (const PetscInt cell : {0, 1, 2, 79, 99, 127, 156})
+    EXPECT_NEAR(spreading.stiffness_of(cell) / runs.stiffness_of(cell), 1, 1e-12) << cell;
+  EXPECT_GT(runs.stiffness_of(1), 1e5 * runs.stiffness_of(0));
+}
+
+}  // namespace
+}  // namespace trefoil::test
