@@ -62,7 +62,8 @@ def save(figure, look, folder, name):
 def draw_scene(folder, scene, reference, judged, look):
     """Energy error over seconds and over iterations; flat ends are other minima."""
     figure, (by_time, by_iteration) = plt.subplots(1, 2, figsize=(11, 4.6), sharey=True)
-    floor = max(reference.support, 1e-12)
+    lowest, unknown = 1e-12, 1e-8  # of an error that is drawn; where the reference has no decrement
+    floor = max(reference.support, lowest) if np.isfinite(reference.support) else unknown
     for (other, method), run in judged.items():
         if other != scene or run.record is None:
             continue

@@ -22,6 +22,12 @@ def markdown(header, rows):
     return "\n".join(lines + ["| " + " | ".join(map(str, row)) + " |" for row in rows]) + "\n"
 
 
+def how_exact(reference):
+    if math.isfinite(reference.support):
+        return f"exact to about {reference.support:.0e}"
+    return "which had not converged: nobody knows how exact"
+
+
 def write_csv(path, judged, ranks):
     """One row a run and error level; empty cells where the level is not reached."""
     with open(path, "w", newline="", encoding="utf-8") as file:
@@ -53,7 +59,11 @@ def overview(judged, references, methods, base):
         rows.append(row)
     header = ["method", "minimum", "another", "unfinished", "failed",
               *(f"to {power(level)}" for level in OVERVIEW_LEVELS)]
-    return (f"## Overview: {len(references)} scenes\n\n"
+    loose = [scene.name for scene, reference in references.items()
+             if reference is None or not reference.support <= min(judgement.LEVELS)]
+    warning = (f"The lowest energy is not known to {power(min(judgement.LEVELS))}, and errors are "
+               f"too small, in: {', '.join(loose)}.\n\n" if loose else "")
+    return (f"## Overview: {len(references)} scenes\n\n{warning}"
             f"Runs by outcome; iterations / seconds relative to `{base.name}`, geometric means over "
             "the scenes in which\nboth came to the relative energy error (in how many the method "
             "did).\n\n" + markdown(header, rows) + "\n")
@@ -68,7 +78,7 @@ def by_scene(judged, references):
             text += "No run left an energy.\n\n"
             continue
         text += (f"Lowest energy {reference.energy:.14g}, scale {reference.scale:.4g}, found by "
-                 f"`{reference.method.name}`, exact to about {reference.support:.0e}.\n\n")
+                 f"`{reference.method.name}`, {how_exact(reference)}.\n\n")
         rows = []
         for (other, method), run in judged.items():
             if other != scene:

@@ -75,6 +75,29 @@ class Outcomes(unittest.TestCase):
                          [UNFINISHED, MINIMUM])
 
 
+class References(unittest.TestCase):
+    """A lowest energy of a run that had not converged is one whose error nobody knows."""
+
+    def setUp(self):
+        lowest = record_with([9.0, 4.0], converged=False, decrement=None)
+        self.references, self.judged = judge(record_with([9.0, 5.0]), lowest)
+
+    def test_tables_say_so(self):
+        self.assertEqual(self.references[SCENE].support, math.inf)
+        text = tables.overview(self.judged, self.references, METHODS[:2], METHODS[0])
+        self.assertIn(f"too small, in: {SCENE.name}.", text)
+        self.assertIn("had not converged", tables.by_scene(self.judged, self.references))
+        references, judged = judge(record_with([9.0, 5.0]))
+        self.assertNotIn("too small",
+                         tables.overview(judged, references, METHODS[:1], METHODS[0]))
+
+    def test_plots_are_drawn(self):
+        from speed_error import plots
+        with tempfile.TemporaryDirectory() as folder:
+            plots.draw_all(folder, self.judged, self.references, METHODS[:2])
+            self.assertEqual(len(os.listdir(folder)), 4)
+
+
 class Levels(unittest.TestCase):
     def test_cost_includes_guess_and_last_direction(self):
         _, judged = judge(record_with([4.0, 0.1, 1e-3, 0.0], guess_solves=7))
