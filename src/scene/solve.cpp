@@ -99,6 +99,7 @@ PetscErrorCode set_defaults(SNES snes, const SolveOutcome &outcome) {
   PetscCall(get_solve_context(snes, &context));
   context->options.monitor = true;
   context->options.search = "subspace";
+  context->options.verify_minimum = true;
   context->options.trust_start = outcome.guess.linear_solves > 0 || outcome.inverted_at_start == 0;
   context->head_start = outcome.guess.seconds;
   PetscCall(set_default_linear_solver(snes));
