@@ -24,7 +24,8 @@ struct SceneOptions {
   double young = 1e6, poisson = 0.45;
   std::vector<ConstraintOptions> constraints;
   std::string initial = "arap";
-  PetscInt initial_steps = 20;  ///< local/global steps of arap
+  std::string initial_displacement;  ///< expression with three values, for initial `expression`
+  PetscInt initial_steps = 20;       ///< local/global steps of arap
   PetscInt order = 1;
   std::string assembly = "split";  ///< or "hook": through the plugin's watch on the Mat
   std::string output_file;

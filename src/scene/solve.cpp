@@ -1,6 +1,7 @@
 #include "scene/solve.hpp"
 
 #include "petsc_compatibility.hpp"
+#include "scene/initial_displacement.hpp"
 #include "snes/solve_context.hpp"
 
 namespace trefoil {
@@ -151,7 +152,10 @@ PetscErrorCode solve(SNES snes, Vec x) {
 PetscErrorCode make_start(Scene &scene, SolveOutcome *outcome) {
   const std::string &initial = scene.options.initial;
   PetscFunctionBeginUser;
-  if (initial != "rest") {
+  if (initial == "expression") {
+    PetscCall(set_initial_displacement(scene.options.initial_displacement, scene.discretization,
+                                       scene.displacement));
+  } else if (initial != "rest") {
     PetscCall(spread_displacements(*scene.functional, scene.discretization, scene.hessian,
                                    initial == "arap" ? scene.options.initial_steps : 0,
                                    scene.displacement, &outcome->guess));
