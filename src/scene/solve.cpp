@@ -77,6 +77,10 @@ PetscErrorCode set_default_linear_solver(SNES snes) {
 #if defined(PETSC_HAVE_SUITESPARSE)
   if (ranks == 1 && !may_be_indefinite) {
     PetscCall(PCFactorSetMatSolverType(pc, MATSOLVERCHOLMOD));
+    // Its other factors exist for indefinite matrices as well. These tell whether a point is a
+    // minimum, and that it is none is an answer, not worth a warning.
+    PetscCall(set_unless_given("-mat_cholmod_factor", "SUPERNODAL"));
+    PetscCall(set_unless_given("-mat_cholmod_print", "0"));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
 #endif

@@ -1,11 +1,13 @@
 #include <petscksp.h>
 
+#include <array>
 #include <cmath>
 
 #include "petsc_compatibility.hpp"
 #include "snes/line.hpp"
 
 namespace trefoil {
+
 PetscErrorCode ask_factor(SNES snes, FactorSays *says) {
   KSP ksp = nullptr;
   PC pc = nullptr;
@@ -22,9 +24,25 @@ PetscErrorCode ask_factor(SNES snes, FactorSays *says) {
   PetscCall(MatFactorGetSolverType(factor, &solver));
   PetscCall(PetscStrcmp(solver, MATSOLVERMUMPS, &mumps));
   PetscCall(PetscStrcmp(solver, MATSOLVERCHOLMOD, &cholmod));
-  if (cholmod) *says = FactorSays::definite;  // or there were no factors
+  if (cholmod) {
+    // Supernodal factors exist for definite matrices only; simplicial ones, which it prefers for
+    // small matrices, exist for others as well.
+    PetscOptions database = nullptr;
+    const char *prefix = nullptr;
+    std::array<char, 32> kind{};
+    PetscCall(PetscObjectGetOptions(reinterpret_cast<PetscObject>(factor), &database));
+    PetscCall(MatGetOptionsPrefix(factor, &prefix));
+    PetscCall(PetscOptionsGetString(database, prefix, "-mat_cholmod_factor", kind.data(),
+                                    kind.size(), nullptr));
+    if (std::string(kind.data()) == "SUPERNODAL") *says = FactorSays::definite;
+  }
 #if defined(PETSC_HAVE_MUMPS)
-  if (mumps) {
+  Mat matrix = nullptr;
+  PetscBool known = PETSC_FALSE, definite = PETSC_FALSE;
+  PetscCall(KSPGetOperators(ksp, nullptr, &matrix));
+  PetscCall(MatIsSPDKnown(matrix, &known, &definite));
+  // Told that a matrix is positive definite, it counts no pivots.
+  if (mumps && !(known && definite)) {
     PetscInt error = 0, negative = 0;
     PetscCall(MatMumpsGetInfog(factor, 1, &error));
     PetscCall(MatMumpsGetInfog(factor, 12, &negative));

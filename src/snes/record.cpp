@@ -242,6 +242,9 @@ PetscErrorCode end_solve(SolveContext &context) {
     const char *text = nullptr;
     PetscCall(SNESGetConvergedReasonString(context.snes, &text));
     context.summary.reason = text;
+    if (reason == SNES_DIVERGED_MAX_IT) {
+      context.summary.reason = "DIVERGED_MAX_IT: no tolerance is met after -snes_max_it iterations";
+    }
   }
   PetscCall(close_history(context));
   if (context.energy_scale) {

@@ -7,8 +7,8 @@
    solver of the filtered Jacobian H + 2 w N:
 
    - p'Hp < 0 of a search direction p proves that H is indefinite, whatever the preconditioner;
-   - a residual below 1e-6 / sqrt(n) of the first one proves that it is definite, but for a chance
-   of about 1e-6. As long as no p'Hp was negative, the residual is q(M^-1 H) times the first one for
+   - a residual below 1e-4 / sqrt(n) of the first one proves that it is definite, but for a chance
+   of about 1e-4. As long as no p'Hp was negative, the residual is q(M^-1 H) times the first one for
    a polynomial with q(0) = 1 and positive roots, so |q| > 1 at negative arguments: the part of the
      residual in an eigenvector of negative curvature grows. It began at about 1 / sqrt(n), unless
      the random vector happened to have nearly no part in that eigenvector.
@@ -114,7 +114,7 @@ PetscErrorCode probe_curvature(SolveContext &context, Mat filtered, WorkVectors 
   PetscCall(set_random_forces(filtered, r, product));
   PetscCall(PCApply(solver, r, z));
   PetscCall(dot(r, z, &rz));
-  const double enough = 1e-12 / static_cast<double>(size) * rz;
+  const double enough = 1e-8 / static_cast<double>(size) * rz;
   double squared_norm = rz;  // of p in the filtered Hessian's norm; the terms are orthogonal in it
   PetscCall(VecCopy(z, p));
   for (int k = 0; k < most_solves && rz > 0; ++k) {
