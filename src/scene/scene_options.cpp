@@ -101,7 +101,13 @@ PetscErrorCode check_values(MPI_Comm comm, const SceneOptions &options) {
   PetscCheck(options.load_steps > 0, comm, PETSC_ERR_USER_INPUT,
              "-load_steps is %" PetscInt_FMT "; give 1 or more", options.load_steps);
   PetscCall(check_files(comm, options));
-  PetscCall(check_choice(comm, "initial", options.initial, {"rest", "harmonic", "arap"}));
+  PetscCall(
+      check_choice(comm, "initial", options.initial, {"rest", "harmonic", "arap", "expression"}));
+  PetscCheck((options.initial == "expression") == !options.initial_displacement.empty(), comm,
+             PETSC_ERR_USER_INPUT,
+             options.initial == "expression"
+                 ? "-initial expression needs -initial_displacement: three expressions"
+                 : "-initial_displacement is for -initial expression");
   PetscCheck(options.initial_steps >= 0, comm, PETSC_ERR_USER_INPUT,
              "-initial_steps must not be negative");
   PetscCheck(options.order == 1, comm, PETSC_ERR_USER_INPUT,
@@ -137,10 +143,15 @@ PetscErrorCode read_scene_options(MPI_Comm comm, SceneOptions *options) {
   PetscCall(
       reader.text("initial",
                   "Start: rest, prescribed vertices already moved; harmonic: their displacement "
-                  "spread over the body; arap: then as rigid as possible",
+                  "spread over the body; arap: then as rigid as possible; "
+                  "expression: -initial_displacement",
                   &options->initial));
   PetscCall(reader.integer("initial_steps", "Local/global steps of -initial arap",
                            &options->initial_steps));
+  PetscCall(reader.text("initial_displacement",
+                        "Displacement that -initial expression starts from: three expressions in "
+                        "x y z xmin..zmax",
+                        &options->initial_displacement));
   PetscCall(reader.integer("order", "Polynomial order of the elements", &options->order));
   PetscCall(reader.text("assembly",
                         "split: H and N at once, in batches; plain: the same by LAPACK and "

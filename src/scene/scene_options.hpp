@@ -30,7 +30,8 @@ struct SceneOptions {
   PetscInt load_steps = 1;
   std::vector<ConstraintOptions> constraints;
   std::string initial = "arap";
-  PetscInt initial_steps = 20;  ///< local/global steps of arap
+  std::string initial_displacement;  ///< expression with three values, for initial `expression`
+  PetscInt initial_steps = 20;       ///< local/global steps of arap
   PetscInt order = 1;
   std::string assembly = "split";  ///< or "hook": through the plugin's watch on the Mat
   std::string output_file;

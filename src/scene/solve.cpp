@@ -3,6 +3,7 @@
 #include <petsctime.h>
 
 #include "petsc_compatibility.hpp"
+#include "scene/initial_displacement.hpp"
 #include "scene/load_steps.hpp"
 #include "scene/start_check.hpp"
 #include "snes/solve_context.hpp"
@@ -80,6 +81,10 @@ PetscErrorCode set_default_linear_solver(SNES snes) {
 #if defined(PETSC_HAVE_SUITESPARSE)
   if (ranks == 1 && !may_be_indefinite) {
     PetscCall(PCFactorSetMatSolverType(pc, MATSOLVERCHOLMOD));
+    // Its other factors exist for indefinite matrices as well. These tell whether a point is a
+    // minimum, and that it is none is an answer, not worth a warning.
+    PetscCall(set_unless_given("-mat_cholmod_factor", "SUPERNODAL"));
+    PetscCall(set_unless_given("-mat_cholmod_print", "0"));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
 #endif
@@ -103,6 +108,7 @@ PetscErrorCode set_defaults(SNES snes, const SolveOutcome &outcome, double head_
   PetscCall(get_solve_context(snes, &context));
   context->options.monitor = true;
   context->options.search = "subspace";
+  context->options.verify_minimum = true;
   context->options.trust_start = outcome.guess.linear_solves > 0 || outcome.inverted_at_start == 0;
   context->head_start = head_start;
   PetscCall(set_default_linear_solver(snes));
@@ -154,7 +160,10 @@ PetscErrorCode solve(SNES snes, Vec x) {
 PetscErrorCode make_start(Scene &scene, SolveOutcome *outcome) {
   const std::string &initial = scene.options.initial;
   PetscFunctionBeginUser;
-  if (initial != "rest") {
+  if (initial == "expression") {
+    PetscCall(set_initial_displacement(scene.options.initial_displacement, scene.discretization,
+                                       scene.displacement));
+  } else if (initial != "rest") {
     PetscCall(spread_displacements(*scene.functional, scene.discretization, scene.hessian,
                                    initial == "arap" ? scene.options.initial_steps : 0,
                                    scene.displacement, &outcome->guess));

@@ -1,36 +1,58 @@
 #include <petscksp.h>
 
+#include <array>
 #include <cmath>
 
 #include "petsc_compatibility.hpp"
 #include "snes/line.hpp"
 
 namespace trefoil {
-namespace {
 
-/// Factors of a symmetric matrix tell how many eigenvalues are negative; -1 where nobody counted.
-PetscErrorCode negative_pivots(SNES snes, PetscInt *count) {
+PetscErrorCode ask_factor(SNES snes, FactorSays *says) {
   KSP ksp = nullptr;
   PC pc = nullptr;
-  PetscBool cholesky = PETSC_FALSE;
+  Mat factor = nullptr;
+  MatSolverType solver = nullptr;
+  PetscBool cholesky = PETSC_FALSE, mumps = PETSC_FALSE, cholmod = PETSC_FALSE;
   PetscFunctionBegin;
-  *count = -1;
+  *says = FactorSays::nothing;
   PetscCall(SNESGetKSP(snes, &ksp));
   PetscCall(KSPGetPC(ksp, &pc));
   PetscCall(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(pc), PCCHOLESKY, &cholesky));
+  if (!cholesky) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PCFactorGetMatrix(pc, &factor));
+  PetscCall(MatFactorGetSolverType(factor, &solver));
+  PetscCall(PetscStrcmp(solver, MATSOLVERMUMPS, &mumps));
+  PetscCall(PetscStrcmp(solver, MATSOLVERCHOLMOD, &cholmod));
+  if (cholmod) {
+    // Supernodal factors exist for definite matrices only; simplicial ones, which it prefers for
+    // small matrices, exist for others as well.
+    PetscOptions database = nullptr;
+    const char *prefix = nullptr;
+    std::array<char, 32> kind{};
+    PetscCall(PetscObjectGetOptions(reinterpret_cast<PetscObject>(factor), &database));
+    PetscCall(MatGetOptionsPrefix(factor, &prefix));
+    PetscCall(PetscOptionsGetString(database, prefix, "-mat_cholmod_factor", kind.data(),
+                                    kind.size(), nullptr));
+    if (std::string(kind.data()) == "SUPERNODAL") *says = FactorSays::definite;
+  }
 #if defined(PETSC_HAVE_MUMPS)
-  if (cholesky) {
-    Mat factor = nullptr;
-    MatSolverType solver = nullptr;
-    PetscBool mumps = PETSC_FALSE;
-    PetscCall(PCFactorGetMatrix(pc, &factor));
-    PetscCall(MatFactorGetSolverType(factor, &solver));
-    PetscCall(PetscStrcmp(solver, MATSOLVERMUMPS, &mumps));
-    if (mumps) PetscCall(MatMumpsGetInfog(factor, 12, count));
+  Mat matrix = nullptr;
+  PetscBool known = PETSC_FALSE, definite = PETSC_FALSE;
+  PetscCall(KSPGetOperators(ksp, nullptr, &matrix));
+  PetscCall(MatIsSPDKnown(matrix, &known, &definite));
+  // Told that a matrix is positive definite, it counts no pivots.
+  if (mumps && !(known && definite)) {
+    PetscInt error = 0, negative = 0;
+    PetscCall(MatMumpsGetInfog(factor, 1, &error));
+    PetscCall(MatMumpsGetInfog(factor, 12, &negative));
+    *says = error >= 0 && negative == 0 ? FactorSays::definite : FactorSays::indefinite;
   }
 #endif
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+namespace {
 
 enum class Verdict { good, not_finite, indefinite, ascends };
 
@@ -38,7 +60,7 @@ enum class Verdict { good, not_finite, indefinite, ascends };
 PetscErrorCode judge(SolveContext &context, const Line &line, Verdict *verdict) {
   const bool unfiltered = context.current.weight < 0.5;
   KSPConvergedReason solved = KSP_CONVERGED_ITERATING;
-  PetscInt negative = -1;
+  FactorSays says = FactorSays::nothing;
   KSP ksp = nullptr;
   PetscFunctionBegin;
   PetscCall(SNESGetKSP(context.snes, &ksp));
@@ -52,8 +74,8 @@ PetscErrorCode judge(SolveContext &context, const Line &line, Verdict *verdict) 
     *verdict = Verdict::not_finite;
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  if (unfiltered) PetscCall(negative_pivots(context.snes, &negative));
-  if (negative > 0 || (line.slope > 0 && !line.lifted)) {
+  if (unfiltered) PetscCall(ask_factor(context.snes, &says));
+  if (says == FactorSays::indefinite || (line.slope > 0 && !line.lifted)) {
     *verdict = unfiltered ? Verdict::indefinite : Verdict::ascends;
   }
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -70,6 +70,18 @@ PetscErrorCode steer_direction(SolveContext &context, Line &line);
 /// step before. A factorisation costs many solves, so these directions are nearly free. Collective.
 PetscErrorCode correct_step(SolveContext &context, SNESLineSearch search, Line &line);
 
+/// Where the stop test is met: verifies, with -snes_trefoil_verify_minimum, that the point is a
+/// minimum, and leaves a saddle along its negative curvature.
+/// @param[out] reason why the solve ends; SNES_CONVERGED_ITERATING where it goes on from line.trial
+/// Collective.
+PetscErrorCode verify_minimum(SolveContext &context, Line &line, SNESConvergedReason *reason);
+
+/// What the linear solver's factors say of the matrix: nothing where it makes no Cholesky factors
+/// or its package does not count negative pivots.
+enum class FactorSays { nothing, definite, indefinite };
+/// Collective.
+PetscErrorCode ask_factor(SNES snes, FactorSays *says);
+
 /// Whether the direction still moves unknowns whose rows of H are but a diagonal: Dirichlet values
 /// that a host enforces by the first step. Collective.
 PetscErrorCode moves_boundary_values(Mat H, Vec direction, bool *moves);

@@ -122,6 +122,23 @@ static PetscErrorCode search_and_step(SolveContext &context, SNESLineSearch sear
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// Ends the solve where the stop test is met, unless that point is a saddle that can be left.
+static PetscErrorCode finish_or_leave(SolveContext &context, SNESLineSearch search, Line &line) {
+  SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
+  PetscFunctionBegin;
+  PetscCall(verify_minimum(context, line, &reason));
+  if (reason) {
+    PetscCall(finish(context, search, reason));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  context.current.step = line.step;
+  context.current.trials = line.trials;
+  PetscCall(take_step(context, search, line));
+  context.history.push_back(context.current);
+  PetscCall(monitor_iteration(context, context.current));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode SNESLineSearchApply_Trefoil(SNESLineSearch search) {
   SNES snes = nullptr;
   SolveContext *context = nullptr;
@@ -141,7 +158,7 @@ static PetscErrorCode SNESLineSearchApply_Trefoil(SNESLineSearch search) {
   } else {
     if (!line.lifted) PetscCall(stop_test(*context, line.x, &stop));
     if (stop) {
-      PetscCall(finish(*context, search, SNES_CONVERGED_SNORM_RELATIVE));
+      PetscCall(finish_or_leave(*context, search, line));
     } else {
       PetscCall(search_and_step(*context, search, line));
     }

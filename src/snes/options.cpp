@@ -11,10 +11,10 @@ namespace trefoil {
 namespace {
 
 // Every option of ours; what is not here is misspelt.
-constexpr std::array<const char *, 13> known_options{
-    "filter",           "rho_tolerance",   "weight",     "search", "decrement_tolerance",
-    "energy_tolerance", "monitor",         "record",     "strict", "fields",
-    "corrections",      "correction_gain", "trust_start"};
+constexpr std::array<const char *, 14> known_options{
+    "filter",           "rho_tolerance",   "weight",      "search",        "decrement_tolerance",
+    "energy_tolerance", "monitor",         "record",      "strict",        "fields",
+    "corrections",      "correction_gain", "trust_start", "verify_minimum"};
 
 std::string join(const std::vector<std::string> &words) {
   std::ostringstream text;
@@ -91,6 +91,7 @@ PetscErrorCode set_options(SolveContext &context) {
   PetscReal decrement = options.decrement_tolerance, energy = options.energy_tolerance;
   PetscReal gain = options.correction_gain;
   PetscInt corrections = options.corrections;
+  PetscBool verify_minimum = options.verify_minimum ? PETSC_TRUE : PETSC_FALSE;
   PetscBool trust_start = options.trust_start ? PETSC_TRUE : PETSC_FALSE;
   PetscReal shrink = options.shrink, armijo = options.armijo;
   PetscOptions database = nullptr;
@@ -137,6 +138,12 @@ PetscErrorCode set_options(SolveContext &context) {
                              "(dimensionless, 0 off; off where decrement_tolerance is set)",
                              "", energy, &energy, &found));
   options.energy_tolerance_set = options.energy_tolerance_set || found;
+  PetscCall(PetscOptionsBool("-snes_trefoil_verify_minimum",
+                             "Where the stop test is met, look for negative curvature of the "
+                             "unfiltered Hessian, and leave a saddle along it (off where "
+                             "decrement_tolerance is set)",
+                             "", verify_minimum, &verify_minimum, &found));
+  options.verify_minimum_set = options.verify_minimum_set || found;
   PetscCall(PetscOptionsReal("-snes_linesearch_shrink", "Factor from a step length to the next", "",
                              shrink, &shrink, nullptr));
   PetscCall(PetscOptionsReal("-snes_linesearch_armijo", "Share of the predicted decrease to reach",
@@ -168,6 +175,7 @@ PetscErrorCode set_options(SolveContext &context) {
   options.corrections = static_cast<int>(corrections);
   options.correction_gain = gain;
   options.trust_start = trust_start == PETSC_TRUE;
+  options.verify_minimum = verify_minimum == PETSC_TRUE;
   options.monitor = monitor == PETSC_TRUE;
   PetscCall(check_values(options, comm));
   PetscCheck(!constant_weight || options.filter == "constant", comm, PETSC_ERR_USER_INPUT,

@@ -142,6 +142,12 @@ PetscErrorCode memory_json(const SolveContext &context, MPI_Comm comm, Json *mem
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// Whether the end is a minimum; null where that is not known.
+Json minimum_json(const SolveSummary &summary) {
+  if (summary.end == StationaryPoint::unknown) return nullptr;
+  return summary.end == StationaryPoint::minimum;
+}
+
 Json result_json(const SolveContext &context) {
   const auto &history = context.history;
   int trials = 0;
@@ -150,6 +156,9 @@ Json result_json(const SolveContext &context) {
   return {
       {"converged", context.summary.converged},
       {"reason", context.summary.reason},
+      {"minimum", minimum_json(context.summary)},
+      {"saddles_left", context.summary.saddles_left},
+      {"verification_solves", context.summary.verification_solves},
       {"iterations", context.summary.iterations},
       {"linear_solves", context.summary.linear_solves},
       {"line_search_trials", trials},
@@ -235,6 +244,9 @@ PetscErrorCode end_solve(SolveContext &context) {
     const char *text = nullptr;
     PetscCall(SNESGetConvergedReasonString(context.snes, &text));
     context.summary.reason = text;
+    if (reason == SNES_DIVERGED_MAX_IT) {
+      context.summary.reason = "DIVERGED_MAX_IT: no tolerance is met after -snes_max_it iterations";
+    }
   }
   PetscCall(close_history(context));
   if (context.energy_scale) {

@@ -31,11 +31,16 @@ struct SolverOptions {
   bool energy_tolerance_set = false;  ///< by the user, so decrement_tolerance does not turn it off
   double shrink = 0.8;
   double armijo = 1e-8;
+  bool verify_minimum = false;      ///< look for negative curvature where the stop test is met
+  bool verify_minimum_set = false;  ///< by the user, so decrement_tolerance does not turn it off
   bool monitor = false;
   std::string record_file;  ///< empty: no record
   bool strict = true;       ///< a Jacobian that cannot be filtered is an error
   std::string fields;       ///< names of the fields to filter; empty: all
 };
+
+/// What the unfiltered Hessian says of the point where a solve ended.
+enum class StationaryPoint { unknown, minimum, saddle };
 
 /// What is known of a finished or running solve besides its iterations.
 struct SolveSummary {
@@ -44,6 +49,9 @@ struct SolveSummary {
   double energy_scale = IterationRecord::none;
   int iterations = 0;     ///< Jacobians that were solved with
   int linear_solves = 0;  ///< corrections included
+  StationaryPoint end = StationaryPoint::unknown;
+  int saddles_left = 0;         ///< along negative curvature, after the stop test was met
+  int verification_solves = 0;  ///< with the factors of the last Jacobian, to look for it
 };
 
 /// Everything the plugin keeps for one SNES; composed with it, so that it lives as long.

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 
 #include "petsc_compatibility.hpp"
 #include "snes/solve_context.hpp"
@@ -26,6 +27,20 @@ bool energy_test_is_on(const SolveContext &context) {
   return context.energy_scale && options.decrement_tolerance <= 0;
 }
 
+/// Whether rounding keeps the decrement up: what it promises is lost in the energy's last digits,
+/// and it is no smaller than it was five iterations ago.
+bool decrement_is_rounding(const SolveContext &context) {
+  constexpr std::size_t window = 5;
+  const auto &history = context.history;
+  const double noise = 8 * PETSC_MACHINE_EPSILON * std::abs(context.current.energy);
+  if (history.size() < window || !(context.current.decrement < noise)) return false;
+  double smallest = context.current.decrement;
+  for (std::size_t k = history.size() - window + 1; k < history.size(); ++k) {
+    smallest = std::min(smallest, history[k].decrement);
+  }
+  return smallest >= history[history.size() - window].decrement;
+}
+
 }  // namespace
 
 PetscErrorCode stop_test(SolveContext &context, Vec x, bool *stop) {
@@ -49,6 +64,10 @@ PetscErrorCode stop_test(SolveContext &context, Vec x, bool *stop) {
     *stop = decrement <= options.energy_tolerance * scale;
     if (*stop)
       context.summary.reason = "predicted energy decrease below -snes_trefoil_energy_tolerance";
+  }
+  if (!*stop && decrement_is_rounding(context)) {
+    *stop = true;
+    context.summary.reason = "rounding: the Newton decrement falls no further";
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,0 +1,50 @@
+#include "scene/initial_displacement.hpp"
+
+#include "mesh/cell_list.hpp"
+#include "petsc_compatibility.hpp"
+#include "scene/collective_error.hpp"
+#include "scene/expression.hpp"
+
+namespace trefoil {
+namespace {
+
+/// Displacements of the local vertices, 3 a vertex. Throws InputError.
+std::vector<double> evaluate(const std::string &text, const Mesh &mesh) {
+  const std::string option = "-initial_displacement";
+  const Expression expression(text, option, mesh.box_min, mesh.box_max);
+  std::vector<double> displacement;
+  displacement.reserve(mesh.coordinates.size());
+  for (PetscInt v = 0; v < mesh.local_vertices(); ++v) {
+    for (double value :
+         expression.evaluate(&mesh.coordinates[static_cast<std::size_t>(3 * v)], 0, 3)) {
+      if (Expression::is_free(value)) {
+        throw InputError(option + ": 'free' is for constraints; a start is a displacement");
+      }
+      displacement.push_back(value);
+    }
+  }
+  return displacement;
+}
+
+}  // namespace
+
+PetscErrorCode set_initial_displacement(const std::string &expression,
+                                        const Discretization &discretization, Vec x) {
+  const Mesh &mesh = discretization.mesh();
+  std::vector<double> displacement;
+  PetscInt begin = 0, end = 0;
+  PetscScalar *values = nullptr;
+  PetscFunctionBeginUser;
+  const std::string complaint = complaint_of([&] { displacement = evaluate(expression, mesh); });
+  PetscCall(agree_on_complaint(PetscObjectComm(reinterpret_cast<PetscObject>(x)), complaint));
+  PetscCall(VecGetOwnershipRange(x, &begin, &end));
+  PetscCall(VecGetArray(x, &values));
+  const std::vector<PetscInt> &dofs = discretization.global_dofs();
+  for (std::size_t k = 0; k < dofs.size(); ++k) {
+    if (dofs[k] >= begin && dofs[k] < end) values[dofs[k] - begin] = displacement[k];
+  }
+  PetscCall(VecRestoreArray(x, &values));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+}  // namespace trefoil

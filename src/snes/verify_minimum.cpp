@@ -1,0 +1,280 @@
+/*
+   Whether the point where the stop test is met is a minimum: whether H is positive definite there.
+
+   Where no element is indefinite there is nothing to do. Where the linear solver is a Cholesky
+   factorisation, that of H tells, at the price of an iteration's. Elsewhere, and for a direction of
+   negative curvature, conjugate gradients on H from a random right-hand side, preconditioned by the
+   solver of the filtered Jacobian H + 2 w N:
+
+   - p'Hp < 0 of a search direction p proves that H is indefinite, whatever the preconditioner;
+   - a residual below 1e-4 / sqrt(n) of the first one proves that it is definite, but for a chance
+   of about 1e-4. As long as no p'Hp was negative, the residual is q(M^-1 H) times the first one for
+   a polynomial with q(0) = 1 and positive roots, so |q| > 1 at negative arguments: the part of the
+     residual in an eigenvector of negative curvature grows. It began at about 1 / sqrt(n), unless
+     the random vector happened to have nearly no part in that eigenvector.
+*/
+#include <petscksp.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "petsc_compatibility.hpp"
+#include "snes/line.hpp"
+#include "snes/matrix_operations.hpp"
+
+namespace trefoil {
+namespace {
+
+/// A direction p of negative curvature.
+struct NegativeCurvature {
+  Vec direction = nullptr;  ///< one of the work vectors
+  double curvature = 0;     ///< p'Hp
+  double squared_norm = 0;  ///< p'Mp of the preconditioner M, the filtered Jacobian or near it
+};
+
+constexpr int most_solves = 500;
+/// Curvatures below this share of the filtered Hessian's are rounding.
+constexpr double curvature_noise = 1e-10;
+constexpr int most_saddles = 100;  ///< to leave in one solve
+
+/// Five vectors like x, destroyed together.
+class WorkVectors {
+ public:
+  explicit WorkVectors(Vec x) : x_(x) {}
+  WorkVectors(const WorkVectors &) = delete;
+  WorkVectors &operator=(const WorkVectors &) = delete;
+  ~WorkVectors() {
+    for (Vec &v : vectors_) static_cast<void>(VecDestroy(&v));  // errors have nowhere to go
+  }
+  PetscErrorCode get(std::size_t i, Vec *v) {
+    PetscFunctionBeginUser;
+    if (!vectors_[i]) PetscCall(VecDuplicate(x_, &vectors_[i]));
+    *v = vectors_[i];
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+
+ private:
+  Vec x_;
+  std::array<Vec, 5> vectors_{};
+};
+
+PetscErrorCode dot(Vec a, Vec b, double *product) {
+  PetscScalar value = 0;
+  PetscFunctionBeginUser;
+  PetscCall(VecDot(a, b, &value));
+  *product = PetscRealPart(value);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Random numbers times the roots of H's diagonal: every eigenvector of the pair H, diag(H) has the
+/// same share, in any unit and on graded meshes.
+PetscErrorCode set_random_forces(Mat H, Vec forces, Vec diagonal) {
+  PetscRandom random = nullptr;
+  PetscFunctionBeginUser;
+  PetscCall(PetscRandomCreate(PetscObjectComm(reinterpret_cast<PetscObject>(H)), &random));
+  PetscCall(PetscRandomSetInterval(random, -1, 1));
+  PetscCall(VecSetRandom(forces, random));
+  PetscCall(PetscRandomDestroy(&random));
+  PetscCall(MatGetDiagonal(H, diagonal));
+  PetscCall(VecAbs(diagonal));
+  PetscCall(VecSqrtAbs(diagonal));
+  PetscCall(VecPointwiseMult(forces, forces, diagonal));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Hp of the unfiltered Hessian.
+PetscErrorCode multiply_unfiltered(const SolveContext &context, Mat filtered, Vec p, Vec work,
+                                   Vec Hp) {
+  PetscFunctionBeginUser;
+  PetscCall(MatMult(filtered, p, Hp));
+  PetscCall(MatMult(context.negative, p, work));
+  PetscCall(VecAXPY(Hp, -2 * context.current.weight, work));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Conjugate gradients, as said above.
+PetscErrorCode probe_curvature(SolveContext &context, Mat filtered, WorkVectors &work,
+                               StationaryPoint *kind, NegativeCurvature *found) {
+  KSP ksp = nullptr;
+  PC solver = nullptr;
+  Vec r = nullptr, z = nullptr, p = nullptr, Hp = nullptr, product = nullptr;
+  PetscInt size = 0;
+  double rz = 0;
+  PetscFunctionBeginUser;
+  *kind = StationaryPoint::unknown;
+  PetscCall(SNESGetKSP(context.snes, &ksp));
+  PetscCall(KSPGetPC(ksp, &solver));
+  PetscCall(work.get(0, &r));
+  PetscCall(work.get(1, &z));
+  PetscCall(work.get(2, &p));
+  PetscCall(work.get(3, &Hp));
+  PetscCall(work.get(4, &product));
+  PetscCall(VecGetSize(r, &size));
+  PetscCall(set_random_forces(filtered, r, product));
+  PetscCall(PCApply(solver, r, z));
+  PetscCall(dot(r, z, &rz));
+  const double enough = 1e-8 / static_cast<double>(size) * rz;
+  double squared_norm = rz;  // of p in the filtered Hessian's norm; the terms are orthogonal in it
+  PetscCall(VecCopy(z, p));
+  for (int k = 0; k < most_solves && rz > 0; ++k) {
+    double curvature = 0;
+    ++context.summary.verification_solves;
+    PetscCall(multiply_unfiltered(context, filtered, p, product, Hp));
+    PetscCall(dot(p, Hp, &curvature));
+    if (curvature < -curvature_noise * squared_norm) {
+      *kind = StationaryPoint::saddle;
+      found->direction = p;
+      found->curvature = curvature;
+      found->squared_norm = squared_norm;
+      break;
+    }
+    if (!(curvature > curvature_noise * squared_norm)) break;  // singular, as far as one can tell
+    PetscCall(VecAXPY(r, -rz / curvature, Hp));
+    PetscCall(PCApply(solver, r, z));
+    const double last = rz;
+    PetscCall(dot(r, z, &rz));
+    if (std::abs(rz) <= enough) {
+      *kind = StationaryPoint::minimum;
+      break;
+    }
+    squared_norm = rz + (rz / last) * (rz / last) * squared_norm;
+    PetscCall(VecAYPX(p, rz / last, z));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// H + 2 w N becomes H, or H becomes H + 2 w N again, and is factored. CHOLMOD calls a matrix that
+/// is not positive definite an error; it is none here.
+PetscErrorCode factor(SolveContext &context, double multiple_of_negative, bool *done) {
+  Mat matrix = nullptr;
+  KSP ksp = nullptr;
+  PC solver = nullptr;
+  PetscFunctionBeginUser;
+  PetscCall(SNESGetJacobian(context.snes, nullptr, &matrix, nullptr, nullptr));
+  PetscCall(SNESGetKSP(context.snes, &ksp));
+  PetscCall(KSPGetPC(ksp, &solver));
+  PetscCall(add_multiple(matrix, multiple_of_negative, context.negative));
+  PetscCall(PetscPushErrorHandler(PetscIgnoreErrorHandler, nullptr));
+  const PetscErrorCode error = PCSetUp(solver);
+  PetscCall(PetscPopErrorHandler());
+  PetscCheck(!error || error == PETSC_ERR_MAT_CH_ZRPVT,
+             PetscObjectComm(reinterpret_cast<PetscObject>(matrix)), error,
+             "the factorisation that verifies the minimum failed; "
+             "-snes_trefoil_verify_minimum false goes without it");
+  *done = !error;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Tries Cholesky factors of H itself and leaves those of H + 2 w N where it has none.
+PetscErrorCode try_factors(SolveContext &context, bool *definite) {
+  const double multiple = 2 * context.current.weight;
+  FactorSays says = FactorSays::nothing;
+  bool done = false;
+  PetscFunctionBeginUser;
+  PetscCall(factor(context, -multiple, &done));
+  if (done) PetscCall(ask_factor(context.snes, &says));
+  *definite = says == FactorSays::definite;
+  if (!*definite) PetscCall(factor(context, multiple, &done));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode classify(SolveContext &context, WorkVectors &work, StationaryPoint *kind,
+                        NegativeCurvature *found) {
+  const bool all_filtered = context.unfiltered.unfiltered() == 0;
+  const bool clamped = context.current.weight >= 0.5 && all_filtered;
+  Mat filtered = nullptr;
+  FactorSays says = FactorSays::nothing;
+  bool definite = false;
+  PetscFunctionBeginUser;
+  PetscCall(ask_factor(context.snes, &says));
+  const bool positive_solver = clamped || says == FactorSays::definite;
+  *kind = StationaryPoint::unknown;
+  if (!context.negative_present) {  // the Jacobian is H itself
+    if (positive_solver) *kind = StationaryPoint::minimum;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  const Phase phase = context.clock.switch_to(Phase::linear_solve);
+  if (says != FactorSays::nothing) PetscCall(try_factors(context, &definite));
+  if (definite) {
+    *kind = StationaryPoint::minimum;
+  } else if (positive_solver) {
+    PetscCall(SNESGetJacobian(context.snes, nullptr, &filtered, nullptr, nullptr));
+    PetscCall(probe_curvature(context, filtered, work, kind, found));
+  }
+  context.clock.switch_to(phase);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Halves steps along the negative curvature from one as large as the deformation itself, as long
+/// as that lowers the energy; both ends of the direction are tried.
+PetscErrorCode descend_from_saddle(SolveContext &context, const NegativeCurvature &found,
+                                   Line &line, bool *lower) {
+  constexpr int most_halvings = 40;
+  const double noise = 8 * PETSC_MACHINE_EPSILON * std::abs(line.energy);
+  double size = context.summary.energy_scale, slope = 0, best_step = 0;
+  PetscFunctionBeginUser;
+  if (!(size > 0)) size = std::abs(line.energy);
+  if (!(size > 0)) size = found.squared_norm;
+  PetscCall(dot(line.residual, found.direction, &slope));
+  const double sign = slope > 0 ? 1 : -1;  // minus_d points uphill
+  PetscCall(
+      VecAXPBY(line.minus_d, sign * std::sqrt(2 * size / found.squared_norm), 0, found.direction));
+  PetscCall(dot(line.residual, line.minus_d, &line.slope));
+  line.slope = -line.slope;
+  double best = line.energy - noise, step = 1;
+  for (line.trials = 1; line.trials <= most_halvings; ++line.trials, step /= 2) {
+    bool finite = false;
+    PetscCall(evaluate_trial(context, line, step, &finite));
+    const bool better = finite && line.trial_energy < best;
+    if (best_step > 0 && !better) break;
+    if (!better) continue;
+    best = line.trial_energy;
+    best_step = step;
+  }
+  *lower = best_step > 0;
+  if (*lower) {
+    bool finite = false;
+    PetscCall(evaluate_trial(context, line, best_step, &finite));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// A decrement tolerance ends a solve where it says; it turns the verification off, as it does the
+/// energy tolerance, unless the user wants it.
+bool verification_is_on(const SolverOptions &options) {
+  return options.verify_minimum && (options.verify_minimum_set || options.decrement_tolerance <= 0);
+}
+
+}  // namespace
+
+PetscErrorCode verify_minimum(SolveContext &context, Line &line, SNESConvergedReason *reason) {
+  StationaryPoint kind = StationaryPoint::unknown;
+  NegativeCurvature found;
+  WorkVectors work(line.x);
+  bool lower = false;
+  PetscFunctionBeginUser;
+  *reason = SNES_CONVERGED_SNORM_RELATIVE;
+  if (!verification_is_on(context.options)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(classify(context, work, &kind, &found));
+  context.summary.end = kind;
+  if (kind != StationaryPoint::saddle) PetscFunctionReturn(PETSC_SUCCESS);
+  if (context.summary.saddles_left < most_saddles) {
+    PetscCall(descend_from_saddle(context, found, line, &lower));
+  }
+  if (lower) {
+    ++context.summary.saddles_left;
+    context.summary.end = StationaryPoint::unknown;
+    context.summary.reason.clear();
+    *reason = SNES_CONVERGED_ITERATING;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(stay(context, line));
+  context.summary.reason =
+      "a stationary point that is no minimum: the Hessian has negative curvature there, but no "
+      "step along it that decreases the energy was found";
+  *reason = SNES_DIVERGED_LOCAL_MIN;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+}  // namespace trefoil
