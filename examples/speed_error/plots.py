@@ -52,8 +52,10 @@ def tidy(axes):
 
 
 def save(figure, look, folder, name):
-    figure.tight_layout(rect=(0, 0.07, 1, 1))
-    figure.legend(handles=look.legend(), loc="lower center", ncol=8, frameon=False, fontsize=9)
+    entries, columns = look.legend(), 8
+    rows = -(-len(entries) // columns)
+    figure.tight_layout(rect=(0, 0.02 + 0.05 * rows, 1, 1))
+    figure.legend(handles=entries, loc="lower center", ncol=columns, frameon=False, fontsize=9)
     for ending in ("png", "svg"):
         figure.savefig(os.path.join(folder, f"{name}.{ending}"), dpi=110)
     plt.close(figure)
