@@ -79,6 +79,13 @@ PetscErrorCode print_summary(MPI_Comm comm, const std::string &json) {
   PetscCall(PetscPrintf(comm, "energy %.14g, gradient norm %.3g, inverted elements %d\n",
                         number(result["energy"]), number(result["gradient_norm"]),
                         result["inverted"].get<int>()));
+  if (result["error_estimate"].is_number() && result["energy_scale"].is_number()) {
+    PetscCall(PetscPrintf(comm, "estimated relative energy error %.1e%s\n",
+                          number(result["error_estimate"]) / number(result["energy_scale"]),
+                          result["minimum"].is_boolean() && result["minimum"].get<bool>()
+                              ? ", at a minimum: the Hessian is positive definite"
+                              : ""));
+  }
   PetscCall(PetscPrintf(comm, "%s", text_of_error_table(result["error_table"]).c_str()));
   PetscCall(PetscPrintf(comm, "seconds %.3g:", number(time["total"])));
   for (const char *phase : {"read", "setup", "guess", "assembly", "filter", "linear_solve",

@@ -71,7 +71,9 @@ PetscErrorCode steer_direction(SolveContext &context, Line &line);
 PetscErrorCode correct_step(SolveContext &context, SNESLineSearch search, Line &line);
 
 /// Where the stop test is met: verifies, with -snes_trefoil_verify_minimum, that the point is a
-/// minimum, and leaves a saddle along its negative curvature.
+/// minimum, and leaves a saddle along its negative curvature. Where the unfiltered Hessian has been
+/// factored for that, its Newton decrement is the error estimate; a step of it is taken where that
+/// is more than a hundred times the energy tolerance.
 /// @param[out] reason why the solve ends; SNES_CONVERGED_ITERATING where it goes on from line.trial
 /// Collective.
 PetscErrorCode verify_minimum(SolveContext &context, Line &line, SNESConvergedReason *reason);

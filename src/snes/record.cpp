@@ -157,6 +157,7 @@ Json result_json(const SolveContext &context) {
       {"converged", context.summary.converged},
       {"reason", context.summary.reason},
       {"minimum", minimum_json(context.summary)},
+      {"error_estimate", number(context.summary.error_estimate)},
       {"saddles_left", context.summary.saddles_left},
       {"verification_solves", context.summary.verification_solves},
       {"iterations", context.summary.iterations},

@@ -50,7 +50,10 @@ struct SolveSummary {
   int iterations = 0;     ///< Jacobians that were solved with
   int linear_solves = 0;  ///< corrections included
   StationaryPoint end = StationaryPoint::unknown;
-  int saddles_left = 0;         ///< along negative curvature, after the stop test was met
+  int saddles_left = 0;  ///< along negative curvature, after the stop test was met
+  /// g'H^-1 g / 2 at the end, with the unfiltered Hessian: how far above its minimum the energy
+  /// still is, to second order. Not-a-number where nobody has factored H.
+  double error_estimate = IterationRecord::none;
   int verification_solves = 0;  ///< with the factors of the last Jacobian, to look for it
 };
 
