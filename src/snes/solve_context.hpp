@@ -32,9 +32,10 @@ struct SolverOptions {
   double shrink = 0.8;
   double armijo = 1e-8;
   bool monitor = false;
-  std::string record_file;  ///< empty: no record
-  bool strict = true;       ///< a Jacobian that cannot be filtered is an error
-  std::string fields;       ///< names of the fields to filter; empty: all
+  std::string record_file;        ///< empty: no record
+  bool strict = true;             ///< a Jacobian that cannot be filtered is an error
+  std::string fields;             ///< names of the fields to filter; empty: all
+  std::string space = "element";  ///< or "deformation": at quadrature points
 };
 
 /// What is known of a finished or running solve besides its iterations.
@@ -58,6 +59,7 @@ struct SolveContext {
   bool negative_present = false;  ///< N is part of the present Jacobian, H + 2 w N
   TrefoilSplitJacobianFunction split_jacobian = nullptr;
   void *split_jacobian_context = nullptr;
+  bool splits_deformation = false;  ///< that callback obeys -snes_trefoil_space deformation
   // A host that knows nothing of us: its Jacobian callback, run with its Mat watched.
   PetscErrorCode (*host_jacobian)(SNES, Vec, Mat, Mat, void *) = nullptr;
   void *host_jacobian_context = nullptr;
