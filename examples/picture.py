@@ -47,6 +47,18 @@ class Result:
             return data[dataset][()]
 
 
+def linear_cells(cells):
+    """Quadratic cells (n x 6 or n x 10) cut at the midpoints of their edges into linear ones, and the
+    cell that each comes from; linear ones as they are."""
+    parts = {6: [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]],
+             10: [[0, 4, 6, 7], [4, 1, 5, 8], [6, 5, 2, 9], [7, 8, 9, 3],
+                  [4, 9, 5, 6], [4, 9, 6, 7], [4, 9, 7, 8], [4, 9, 8, 5]]}.get(cells.shape[1])
+    if parts is None:
+        return cells, np.arange(len(cells))
+    cut = cells[:, np.array(parts)]
+    return cut.reshape(-1, cut.shape[2]), np.repeat(np.arange(len(cells)), len(parts))
+
+
 def outer_surface(points, cells):
     """Triangles (n x 3) that belong to one cell only, anticlockwise seen from outside (of a flat
     body: from above), and those cells (n)."""
@@ -138,11 +150,13 @@ def picture(result, arguments):
     moved = result.points
     if "displacement" in result.fields:
         moved = result.points + result.fields["displacement"][1]
-    triangles, owners = outer_surface(result.points, result.cells)
+    cells, whole = linear_cells(result.cells)
+    triangles, owners = outer_surface(result.points, cells)
+    owners = whole[owners]
     values = values[triangles].mean(axis=1) if on_vertices else values[owners]
     colours, scale, extend = colours_of(values, arguments.field, arguments.colours)
     edges = len(triangles) < 8000 if arguments.edges is None else arguments.edges
-    flat = result.cells.shape[1] == 3
+    flat = cells.shape[1] == 3
     azimuth, elevation = (-90, 90) if flat else (-60, 25)
     view = camera(azimuth if arguments.azimuth is None else arguments.azimuth,
                   elevation if arguments.elevation is None else arguments.elevation)

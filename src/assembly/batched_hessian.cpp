@@ -7,6 +7,7 @@
 #include "filter/reduced_filter.hpp"
 #include "petsc_compatibility.hpp"
 #include "snes/log_events.hpp"
+#include "term/packed_elements.hpp"
 
 namespace trefoil {
 namespace {
@@ -16,6 +17,11 @@ namespace {
 constexpr PetscInt chunk = 64;
 static_assert(chunk % BlockSums::stretch == 0);
 
+/// The same in memory for larger matrices.
+PetscInt chunk_of(const PackedElements &elements) {
+  return std::max<PetscInt>(8, chunk * reduced_entries / elements.entries());
+}
+
 /// Memory of one chunk.
 struct Workspace {
   std::vector<double> K = std::vector<double>(chunk * reduced_entries * lanes);
@@ -24,13 +30,13 @@ struct Workspace {
 };
 
 /// Splits a chunk's matrices and counts the indefinite ones, copies that fill the last pack aside.
-PetscErrorCode filter(Workspace &work, PetscInt packs, TrefoilSplitStatistics *statistics) {
+template <class Split>
+PetscErrorCode filter(const Split &split_chunk, TrefoilSplitStatistics *statistics) {
   PetscLogDouble begin = 0, end = 0;
   PetscFunctionBeginUser;
   PetscCall(PetscLogEventBegin(event_filter, nullptr, nullptr, nullptr, nullptr));
   PetscCall(PetscTime(&begin));
-  const SplitResult result =
-      split_reduced(static_cast<int>(packs), work.K.data(), work.N.data(), work.negative.data());
+  const SplitResult result = split_chunk();
   PetscCall(PetscTime(&end));
   PetscCall(PetscLogEventEnd(event_filter, nullptr, nullptr, nullptr, nullptr));
   PetscCheck(result.status == SplitStatus::ok || result.status == SplitStatus::not_finite,
@@ -40,17 +46,72 @@ PetscErrorCode filter(Workspace &work, PetscInt packs, TrefoilSplitStatistics *s
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode filter(Workspace &work, PetscInt packs, TrefoilSplitStatistics *statistics) {
+  PetscFunctionBeginUser;
+  PetscCall(filter(
+      [&] {
+        return split_reduced(static_cast<int>(packs), work.K.data(), work.N.data(),
+                             work.negative.data());
+      },
+      statistics));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// The same loop for elements of any kind.
+/// @param places where blocks go; null: nothing is added
+/// @param counts negative eigenvalues of the elements, appended; may be null
+PetscErrorCode assemble_packed(const PackedElements &elements, const double *u,
+                               const ElementPlaces *places, double *const *H, double *const *N,
+                               bool filtering, TrefoilSplitStatistics *statistics,
+                               std::vector<double> *counts) {
+  const PetscInt most = chunk_of(elements);
+  const auto size = static_cast<std::size_t>(most * elements.entries() * lanes);
+  static thread_local std::vector<double> K, negative_parts;
+  static thread_local std::vector<int> negative;
+  PetscFunctionBeginUser;
+  K.resize(size);
+  negative_parts.resize(size);
+  negative.resize(static_cast<std::size_t>(most * lanes));
+  for (PetscInt first = 0; first < elements.packs(); first += most) {
+    const PetscInt count = std::min(most, elements.packs() - first);
+    elements.hessians(first, count, u, K.data());
+    if (H) elements.add_blocks(first, count, K.data(), nullptr, *places, H);
+    if (!filtering) continue;
+    PetscCall(filter(
+        [&] {
+          return elements.split(first, count, u, K.data(), negative_parts.data(), negative.data());
+        },
+        statistics));
+    if (N) {
+      elements.add_blocks(first, count, negative_parts.data(), negative.data(), *places, N);
+    }
+    if (counts) counts->insert(counts->end(), negative.begin(), negative.begin() + lanes * count);
+  }
+  statistics->elements += elements.elements();
+  // The copies that fill the last pack have no volume, but in deformation space eigenvalues.
+  for (PetscInt e = elements.elements(); filtering && e < lanes * elements.packs(); ++e) {
+    const PetscInt first = (elements.packs() - 1) / most * most;
+    statistics->indefinite -= negative[static_cast<std::size_t>(e - lanes * first)] > 0;
+  }
+  if (counts) counts->resize(static_cast<std::size_t>(elements.elements()));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 }  // namespace
 
 PetscErrorCode BatchedHessian::assemble(const Term &term, const double *u, Mat H, Mat N,
                                         bool filtering, TrefoilSplitStatistics *statistics) const {
-  const Tet4Packs &tets = *term.packs();
   static const AddBlocks add_blocks = add_blocks_kernel();
   static thread_local Workspace work;
   DirectAssembly::Target H_target, N_target;
   PetscFunctionBeginUser;
+  if (const PackedElements *elements = term.packed_elements()) {
+    PetscCall(assemble_elements(*elements, u, H, N, filtering, statistics));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   if (H) PetscCall(direct_.begin(H, &H_target));
   if (N) PetscCall(direct_.begin(N, &N_target));
+  const Tet4Packs &tets = *term.packs();
   for (PetscInt first = 0; first < tets.packs(); first += chunk) {
     const PetscInt count = std::min(chunk, tets.packs() - first);
     term.reduced_hessians(first, count, u, work.K.data());
@@ -70,13 +131,31 @@ PetscErrorCode BatchedHessian::assemble(const Term &term, const double *u, Mat H
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode BatchedHessian::assemble_elements(const PackedElements &elements, const double *u,
+                                                 Mat H, Mat N, bool filtering,
+                                                 TrefoilSplitStatistics *statistics) const {
+  ElementAssembly::Target H_target, N_target;
+  PetscFunctionBeginUser;
+  if (H) PetscCall(elements_.begin(H, &H_target));
+  if (N) PetscCall(elements_.begin(N, &N_target));
+  PetscCall(assemble_packed(elements, u, &elements_.places(), H ? H_target.arrays : nullptr,
+                            N ? N_target.arrays : nullptr, filtering, statistics, nullptr));
+  if (H) PetscCall(elements_.end(&H_target));
+  if (N) PetscCall(elements_.end(&N_target));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode BatchedHessian::count_negative(const Term &term, const double *u,
                                               std::vector<double> *counts) {
-  const Tet4Packs &tets = *term.packs();
   TrefoilSplitStatistics ignored{};
   Workspace work;
   PetscFunctionBeginUser;
   counts->clear();
+  if (const PackedElements *elements = term.packed_elements()) {
+    PetscCall(assemble_packed(*elements, u, nullptr, nullptr, nullptr, true, &ignored, counts));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  const Tet4Packs &tets = *term.packs();
   for (PetscInt first = 0; first < tets.packs(); first += chunk) {
     const PetscInt count = std::min(chunk, tets.packs() - first);
     term.reduced_hessians(first, count, u, work.K.data());

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "assembly/direct_assembly.hpp"
+#include "assembly/element_assembly.hpp"
 #include "term/term.hpp"
 #include "trefoil.h"
 
@@ -13,10 +14,11 @@ class BatchedHessian {
  public:
   /// Prepares for matrices with the pattern of H. Collective.
   PetscErrorCode set_up(const Discretization &discretization, const Term &term, Mat H) {
+    if (term.packed_elements()) return elements_.set_up(discretization, H);
     return direct_.set_up(discretization, *term.packs(), H);
   }
-  [[nodiscard]] bool ready() const { return direct_.ready(); }
-  [[nodiscard]] double bytes() const { return direct_.bytes(); }
+  [[nodiscard]] bool ready() const { return direct_.ready() || elements_.ready(); }
+  [[nodiscard]] double bytes() const { return direct_.bytes() + elements_.bytes(); }
 
   /// Sets H (may be null: left alone) and N (may be null: not wanted) at the local displacements u.
   /// @param filtering false: H only, nothing is split
@@ -30,7 +32,11 @@ class BatchedHessian {
                                        std::vector<double> *counts);
 
  private:
-  DirectAssembly direct_;
+  PetscErrorCode assemble_elements(const PackedElements &elements, const double *u, Mat H, Mat N,
+                                   bool filtering, TrefoilSplitStatistics *statistics) const;
+
+  DirectAssembly direct_;     ///< of Tet4Packs
+  ElementAssembly elements_;  ///< of PackedElements
 };
 
 }  // namespace trefoil

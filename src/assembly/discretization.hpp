@@ -15,6 +15,9 @@ struct HeldDofs {
   std::vector<double> value;  ///< its displacement; 0 where free
 };
 
+/// Nothing held but, in a plane mesh, the third components: plane strain.
+HeldDofs nothing_held(const Mesh &mesh);
+
 /// The unknowns of a mesh: displacements of the vertices, 3 a vertex, less those that are held.
 /// Vectors of unknowns are PETSc's global vectors of mesh.dm; local arrays hold 3 numbers for each
 /// local vertex, held ones and ghosts included.
@@ -25,7 +28,8 @@ class Discretization {
   Discretization &operator=(const Discretization &) = delete;
   ~Discretization();
 
-  /// Collective; once. Keeps a reference to `mesh`, which must outlive it.
+  /// Collective; once. Keeps a reference to `mesh`, which must outlive it. In a plane mesh `held`
+  /// holds all third components, see nothing_held().
   PetscErrorCode set_up(Mesh &mesh, const HeldDofs &held);
 
   /// Moves what is held to other displacements; the same dofs must be held. Collective.
@@ -34,8 +38,8 @@ class Discretization {
   /// A vector of unknowns, zero.
   PetscErrorCode create_vector(Vec *x) const;
 
-  /// The matrix of the Hessian, zero: AIJ with the pattern of the cells, block size 3 where every
-  /// vertex is wholly free or wholly held, rigid-body modes attached. Collective.
+  /// The matrix of the Hessian, zero: AIJ with the pattern of the cells, block size 3 (in the plane
+  /// 2) where every vertex is wholly free or wholly held, rigid-body modes attached. Collective.
   PetscErrorCode create_matrix(Mat *matrix) const;
 
   /// Displacements of all local vertices: the unknowns of x, prescribed values where held.
@@ -56,6 +60,8 @@ class Discretization {
   }
   [[nodiscard]] PetscInt total_dofs() const { return total_; }
   [[nodiscard]] PetscInt block_size() const { return block_size_; }
+  /// Whether every vertex is wholly free or wholly held.
+  [[nodiscard]] bool has_whole_blocks() const { return block_size_ == mesh_->dimension; }
   [[nodiscard]] const Mesh &mesh() const { return *mesh_; }
   [[nodiscard]] double bytes() const;
 

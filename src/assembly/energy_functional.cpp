@@ -4,6 +4,7 @@
 
 #include "assembly/hessian_assembler.hpp"
 #include "petsc_compatibility.hpp"
+#include "snes/solve_context.hpp"
 
 namespace trefoil {
 namespace {
@@ -90,7 +91,8 @@ PetscErrorCode EnergyFunctional::gradient(Vec x, Vec g) const {
 
 /// Whether the batched path serves: of all terms only the first has a Hessian, and that has packs.
 bool EnergyFunctional::is_batched() const {
-  return assembly_ == Assembly::split && !terms_.empty() && terms_.front()->packs() &&
+  return assembly_ == Assembly::split && !terms_.empty() &&
+         (terms_.front()->packs() || terms_.front()->packed_elements()) &&
          std::none_of(terms_.begin() + 1, terms_.end(),
                       [](const auto &term) { return term->has_hessian(); });
 }
@@ -259,12 +261,17 @@ PetscErrorCode energy_scale(SNES, Vec x, PetscReal *scale, void *ctx) {
 }  // namespace
 
 PetscErrorCode EnergyFunctional::attach(SNES snes, Mat H, Assembly assembly) {
+  SolveContext *context = nullptr;
   PetscFunctionBeginUser;
   assembly_ = assembly;
   PetscCall(SNESSetObjective(snes, objective, this));
   PetscCall(SNESSetFunction(snes, nullptr, residual, this));
   if (assembly != Assembly::hook) {
     PetscCall(TrefoilSNESSetSplitJacobian(snes, H, split_hessian, this));
+    // Linear tetrahedra in packs of their own are filtered whole; other terms as they were told.
+    PetscCall(get_solve_context(snes, &context));
+    context->splits_deformation =
+        std::none_of(terms_.begin(), terms_.end(), [](const auto &term) { return term->packs(); });
   } else {
     PetscCall(SNESSetJacobian(snes, H, H, plain_hessian, this));
   }

@@ -19,6 +19,22 @@ PetscErrorCode HessianAssembler::add(int n, const PetscInt *dofs, const double *
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode HessianAssembler::add_split(int n, const PetscInt *dofs, const double *H,
+                                           const double *N, int negative) {
+  PetscFunctionBeginUser;
+  PetscCall(flush());
+  n_ = n;
+  const auto &global = discretization_.global_dofs();
+  for (int i = 0; i < n; ++i) global_.push_back(global[static_cast<std::size_t>(dofs[i])]);
+  if (H_) PetscCall(insert(H_, H, 0));
+  if (negative_ && negative > 0) PetscCall(insert(negative_, N, 0));
+  global_.clear();
+  ++statistics_.elements;
+  statistics_.indefinite += filtering_ && negative > 0;
+  if (filtering_ && counts_) counts_->push_back(negative);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode HessianAssembler::flush() {
   PetscFunctionBeginUser;
   statistics_.elements += batch_;

@@ -19,6 +19,8 @@ class HessianAssembler final : public ElementHessianSink {
       : discretization_(discretization), H_(H), negative_(negative), statistics_(*statistics) {}
 
   PetscErrorCode add(int n, const PetscInt *dofs, const double *H) override;
+  PetscErrorCode add_split(int n, const PetscInt *dofs, const double *H, const double *N,
+                           int negative) override;
   /// Works off what the last batch still holds. Not collective.
   PetscErrorCode flush();
 

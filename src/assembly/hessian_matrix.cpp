@@ -24,18 +24,19 @@ PetscErrorCode copy_rows(Mat matrix, std::vector<PetscInt> *start, std::vector<P
 }  // namespace
 
 /// The graph of the owned vertices and their neighbours, themselves included, as an AIJ matrix with
-/// a row a vertex. PETSc's coordinate format makes it from the cells' pairs of corners, those of
+/// a row a vertex. PETSc's coordinate format makes it from the cells' pairs of vertices, those of
 /// other ranks' cells included.
 PetscErrorCode Discretization::create_vertex_graph(Mat *graph) const {
   const Mesh &mesh = *mesh_;
   const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(mesh.dm));
   PetscFunctionBeginUser;
   std::vector<PetscInt> row, column;
-  row.reserve(4 * mesh.cells.size());
-  column.reserve(4 * mesh.cells.size());
-  for (std::size_t c = 0; c + 3 < mesh.cells.size(); c += 4) {
-    for (std::size_t a = 0; a < 4; ++a) {
-      for (std::size_t b = 0; b < 4; ++b) {
+  const auto width = static_cast<std::size_t>(mesh.nodes_per_cell);
+  row.reserve(width * mesh.cells.size());
+  column.reserve(width * mesh.cells.size());
+  for (std::size_t c = 0; c < mesh.cells.size(); c += width) {
+    for (std::size_t a = 0; a < width; ++a) {
+      for (std::size_t b = 0; b < width; ++b) {
         row.push_back(mesh.global_vertex[static_cast<std::size_t>(mesh.cells[c + a])]);
         column.push_back(mesh.global_vertex[static_cast<std::size_t>(mesh.cells[c + b])]);
       }

@@ -34,6 +34,7 @@ inline constexpr int reduced_entries = 45;  ///< lower triangle: (0,0), (1,0), (
 /// variable TREFOIL_SIMD = avx2 or baseline, read once, holds it back.
 enum class InstructionSet { baseline, avx2, avx512 };
 [[nodiscard]] bool processor_has(InstructionSet instructions) noexcept;
+[[nodiscard]] InstructionSet filter_instruction_set() noexcept;
 
 /// For tests and benchmarks: split_reduced() by one instruction set, which the processor must have.
 struct ReducedSplitExperiment {

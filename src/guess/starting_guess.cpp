@@ -15,7 +15,7 @@ namespace {
 class ComponentSolver {
  public:
   ~ComponentSolver() {
-    for (int i = 0; i < 3; ++i) {  // errors have nowhere to go from here
+    for (std::size_t i = 0; i < 3; ++i) {  // errors have nowhere to go from here
       static_cast<void>(ISDestroy(&unknowns_[i]));
       static_cast<void>(KSPDestroy(&solver_[i]));
       static_cast<void>(VecDestroy(&right_[i]));
@@ -31,6 +31,7 @@ class ComponentSolver {
  private:
   PetscErrorCode find_unknowns(const Discretization &discretization, Mat H);
 
+  std::size_t components_ = 3;
   std::array<IS, 3> unknowns_{};
   std::array<KSP, 3> solver_{};
   std::array<Vec, 3> right_{}, change_{};
@@ -92,8 +93,9 @@ PetscErrorCode set_solver(KSP ksp) {
 PetscErrorCode ComponentSolver::set_up(const Discretization &discretization, Mat H) {
   PetscFunctionBeginUser;
   PetscCall(find_unknowns(discretization, H));
-  const bool same = discretization.block_size() == 3;
-  for (std::size_t i = 0; i < 3; ++i) {
+  const bool same = discretization.has_whole_blocks();
+  components_ = static_cast<std::size_t>(discretization.mesh().dimension);
+  for (std::size_t i = 0; i < components_; ++i) {
     if (i > 0 && same) {
       PetscCall(PetscObjectReference(reinterpret_cast<PetscObject>(solver_[0])));
       solver_[i] = solver_[0];
@@ -115,7 +117,7 @@ PetscErrorCode ComponentSolver::set_up(const Discretization &discretization, Mat
 
 PetscErrorCode ComponentSolver::correct(Vec g, Vec x) {
   PetscFunctionBeginUser;
-  for (std::size_t i = 0; i < 3; ++i) {
+  for (std::size_t i = 0; i < components_; ++i) {
     KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
     PetscCall(VecISCopy(g, unknowns_[i], SCATTER_REVERSE, right_[i]));
     PetscCall(KSPSolve(solver_[i], right_[i], change_[i]));

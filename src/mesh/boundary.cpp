@@ -10,32 +10,61 @@
 namespace trefoil {
 namespace {
 
-using Key = std::array<PetscInt, 3>;  ///< global numbers, ascending
+using Key = std::array<PetscInt, 3>;  ///< global numbers of the corners, ascending
 
 Key key_of(const Mesh &mesh, const Facet &facet) {
-  Key key{};
-  for (std::size_t i = 0; i < 3; ++i) {
-    key[i] = mesh.global_vertex[static_cast<std::size_t>(facet[i])];
+  Key key{-1, -1, -1};
+  for (std::size_t i = 0; i < static_cast<std::size_t>(facet.corners); ++i) {
+    key[i] = mesh.global_vertex[static_cast<std::size_t>(facet.vertices[i])];
   }
   return key;
+}
+
+/// Place of the midpoint between two corners in a quadratic cell.
+int midpoint_of(int dimension, int a, int b) {
+  constexpr int edges[6][2] = {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}};
+  int e = 0;
+  while (edges[e][0] != std::min(a, b) || edges[e][1] != std::max(a, b)) ++e;
+  return dimension + 1 + e;
+}
+
+/// The facet of a cell that is opposite to a corner.
+Facet facet_of(const Mesh &mesh, const PetscInt *cell, int opposite) {
+  std::vector<int> corner;
+  Facet facet;
+  facet.corners = mesh.dimension;
+  for (int i = 1; i <= facet.corners; ++i) corner.push_back((opposite + i) % (mesh.dimension + 1));
+  std::sort(corner.begin(), corner.end(), [&](int a, int b) {
+    return mesh.global_vertex[static_cast<std::size_t>(cell[a])] <
+           mesh.global_vertex[static_cast<std::size_t>(cell[b])];
+  });
+  facet.count = 0;
+  const auto add = [&](int node) {
+    facet.vertices[static_cast<std::size_t>(facet.count++)] = cell[node];
+  };
+  for (const int node : corner) add(node);
+  if (mesh.nodes_per_cell == mesh.dimension + 1) return facet;
+  add(midpoint_of(mesh.dimension, corner[0], corner[1]));
+  if (mesh.dimension == 3) {
+    add(midpoint_of(3, corner[1], corner[2]));
+    add(midpoint_of(3, corner[2], corner[0]));
+  }
+  return facet;
 }
 
 /// The facets that only one of this rank's cells has.
 std::vector<Facet> single_facets(const Mesh &mesh) {
   std::vector<std::pair<Key, Facet>> all;
-  all.reserve(mesh.cells.size());
-  for (std::size_t c = 0; c + 3 < mesh.cells.size(); c += 4) {
-    for (std::size_t opposite = 0; opposite < 4; ++opposite) {
-      Facet facet{};
-      for (std::size_t i = 0; i < 3; ++i) facet[i] = mesh.cells[c + (opposite + i + 1) % 4];
-      std::sort(facet.begin(), facet.end(), [&](PetscInt a, PetscInt b) {
-        return mesh.global_vertex[static_cast<std::size_t>(a)] <
-               mesh.global_vertex[static_cast<std::size_t>(b)];
-      });
+  const auto width = static_cast<std::size_t>(mesh.nodes_per_cell);
+  all.reserve(mesh.cells.size() / width * static_cast<std::size_t>(mesh.dimension + 1));
+  for (std::size_t c = 0; c < mesh.cells.size(); c += width) {
+    for (int opposite = 0; opposite <= mesh.dimension; ++opposite) {
+      const Facet facet = facet_of(mesh, &mesh.cells[c], opposite);
       all.emplace_back(key_of(mesh, facet), facet);
     }
   }
-  std::sort(all.begin(), all.end());
+  std::stable_sort(all.begin(), all.end(),
+                   [](const auto &a, const auto &b) { return a.first < b.first; });
   std::vector<Facet> single;
   for (std::size_t k = 0; k < all.size(); ++k) {
     const bool like_last = k > 0 && all[k - 1].first == all[k].first;

@@ -8,8 +8,16 @@
 
 namespace trefoil {
 
-/// A triangle of the body's surface, by its local vertices in the order of their global numbers.
-using Facet = std::array<PetscInt, 3>;
+/// A triangle of the body's surface, of a plane body an edge: its local vertices, corners in the
+/// order of their global numbers, then, of quadratic cells, the midpoints of the edges between
+/// corners 0 and 1, 1 and 2, 2 and 0.
+struct Facet {
+  std::array<PetscInt, 6> vertices{};
+  int corners = 3, count = 3;
+
+  [[nodiscard]] const PetscInt *begin() const { return vertices.data(); }
+  [[nodiscard]] const PetscInt *end() const { return vertices.data() + count; }
+};
 
 /// The facets of this rank's cells that belong to no other cell, of this rank or another, and that
 /// `wanted` takes; each of the whole mesh's is on one rank. Collective; what `wanted` says of a

@@ -30,12 +30,19 @@ int scaling_exponent(const Values &values) {
   return -exponent;
 }
 
-// The corners of a tetrahedron in units in which neither its volume nor its edges can over- or
-// underflow.
-std::array<Point, 4> scaled_corners(const CellList &mesh, std::size_t tetrahedron) {
+// The first node of a cell in the list of cells.
+std::size_t first_node(const CellList &mesh, std::size_t cell) {
+  return cell * static_cast<std::size_t>(mesh.nodes_per_cell());
+}
+
+// The corners of a cell in units in which neither its volume nor its edges can over- or underflow.
+// A triangle's fourth corner is its first.
+std::array<Point, 4> scaled_corners(const CellList &mesh, std::size_t cell) {
   std::array<double, 12> entries;
+  const auto corners_of_cell = static_cast<std::size_t>(mesh.corners());
   for (std::size_t corner = 0; corner < 4; ++corner) {
-    const auto vertex = static_cast<std::size_t>(mesh.cells[4 * tetrahedron + corner]);
+    const auto vertex =
+        static_cast<std::size_t>(mesh.cells[first_node(mesh, cell) + corner % corners_of_cell]);
     for (std::size_t component = 0; component < 3; ++component)
       entries[3 * corner + component] = mesh.coordinates[3 * vertex + component];
   }
@@ -56,11 +63,13 @@ double longest_edge(const std::array<Point, 4> &corners) {
   return longest;
 }
 
-RestShape rest_shape(const CellList &mesh, std::size_t tetrahedron) {
+RestShape rest_shape(const CellList &mesh, std::size_t cell) {
   constexpr double flatness = 1e-14;  // some fifty roundings of the determinant
-  const std::array<Point, 4> x = scaled_corners(mesh, tetrahedron);
-  const double six_volumes = determinant(minus(x[1], x[0]), minus(x[2], x[0]), minus(x[3], x[0]));
+  const std::array<Point, 4> x = scaled_corners(mesh, cell);
   const double longest = longest_edge(x);
+  // A triangle as the base of a tetrahedron whose fourth corner is as far above it as it is wide.
+  const Point up = mesh.dim == 2 ? Point{0, 0, longest} : minus(x[3], x[0]);
+  const double six_volumes = determinant(minus(x[1], x[0]), minus(x[2], x[0]), up);
   // Written so that a NaN counts as degenerate.
   if (!(std::abs(six_volumes) > flatness * longest * longest * longest))
     return RestShape::degenerate;
@@ -68,37 +77,64 @@ RestShape rest_shape(const CellList &mesh, std::size_t tetrahedron) {
 }
 
 // "2 tetrahedra are degenerate", "1 tetrahedron is of negative volume"
-std::string counted(PetscInt count, const std::string &property) {
-  return std::to_string(count) + (count == 1 ? " tetrahedron is " : " tetrahedra are ") + property;
+std::string counted(PetscInt count, int dim, const std::string &property) {
+  return counted_cells(count, dim) + (count == 1 ? " is " : " are ") + property;
+}
+
+std::string counts_of_bad(const CellList &mesh, const RestCheck &check) {
+  const std::string degenerate = counted(check.degenerate, mesh.dim, "degenerate");
+  if (mesh.dim == 2) return degenerate;
+  return degenerate + " and " + counted(check.negative, mesh.dim, "of negative volume");
 }
 
 [[noreturn]] void fail_for_rest_shape(const CellList &mesh, const RestCheck &check,
                                       const std::string &name) {
   const bool is_turned_round = check.negative == mesh.size();
-  throw InputError(name + ": " + counted(check.degenerate, "degenerate") + " and " +
-                   counted(check.negative, "of negative volume") + ", the first is tetrahedron " +
-                   std::to_string(check.first) +
+  throw InputError(name + ": " + counts_of_bad(mesh, check) + ", the first is " +
+                   (mesh.dim == 2 ? "triangle " : "tetrahedron ") + std::to_string(check.first) +
                    (is_turned_round
                         ? "; the whole mesh is oriented the other way round, so swap two vertices "
                           "of every tetrahedron"
                         : "; mend the mesh, or leave them out with -mesh_repair drop"));
 }
 
-void drop_bad_tetrahedra(CellList &mesh) {
-  std::size_t kept = 0;
-  const auto tetrahedra = static_cast<std::size_t>(mesh.size());
-  for (std::size_t tetrahedron = 0; tetrahedron < tetrahedra; ++tetrahedron) {
-    if (rest_shape(mesh, tetrahedron) != RestShape::good) continue;
-    if (!mesh.groups.empty()) mesh.groups[kept] = mesh.groups[tetrahedron];
-    std::copy_n(mesh.cells.begin() + static_cast<std::ptrdiff_t>(4 * tetrahedron), 4,
-                mesh.cells.begin() + static_cast<std::ptrdiff_t>(4 * kept++));
+void drop_bad_cells(CellList &mesh) {
+  const auto width = static_cast<std::ptrdiff_t>(mesh.nodes_per_cell());
+  std::ptrdiff_t kept = 0;
+  for (std::ptrdiff_t cell = 0; cell < mesh.size(); ++cell) {
+    if (rest_shape(mesh, static_cast<std::size_t>(cell)) != RestShape::good) continue;
+    if (!mesh.groups.empty()) {
+      mesh.groups[static_cast<std::size_t>(kept)] = mesh.groups[static_cast<std::size_t>(cell)];
+    }
+    std::copy_n(mesh.cells.begin() + width * cell, width, mesh.cells.begin() + width * kept++);
   }
-  mesh.cells.resize(4 * kept);
-  if (!mesh.groups.empty()) mesh.groups.resize(kept);
+  mesh.cells.resize(static_cast<std::size_t>(width * kept));
+  if (!mesh.groups.empty()) mesh.groups.resize(static_cast<std::size_t>(kept));
+}
+
+// A plane mesh must be plane. Which way round its triangles are written means nothing: they are
+// turned anticlockwise.
+void lay_flat(CellList &mesh, const std::string &name) {
+  double size = 0, height = 0;
+  for (std::size_t entry = 0; entry < mesh.coordinates.size(); ++entry)
+    (entry % 3 == 2 ? height : size) =
+        std::max(entry % 3 == 2 ? height : size, std::abs(mesh.coordinates[entry]));
+  if (height > 1e-12 * size)
+    throw InputError(name +
+                     ": has triangles only and they do not lie in the plane z = 0; give a volume "
+                     "mesh, or a plane one");
+  for (std::size_t entry = 2; entry < mesh.coordinates.size(); entry += 3)
+    mesh.coordinates[entry] = 0;
+  for (std::size_t cell = 0; cell < static_cast<std::size_t>(mesh.size()); ++cell) {
+    if (rest_shape(mesh, cell) != RestShape::negative) continue;
+    PetscInt *node = &mesh.cells[first_node(mesh, cell)];
+    std::swap(node[1], node[2]);
+    if (mesh.order == 2) std::swap(node[3], node[5]);
+  }
 }
 
 bool all_vertices_coincide(const CellList &mesh) {
-  const auto dim = static_cast<std::size_t>(mesh.dim);
+  constexpr std::size_t dim = 3;
   for (std::size_t entry = dim; entry < mesh.coordinates.size(); ++entry)
     if (mesh.coordinates[entry] != mesh.coordinates[entry % dim]) return false;
   return true;
@@ -109,7 +145,7 @@ bool all_vertices_coincide(const CellList &mesh) {
 PetscInt drop_unused_vertices(CellList &mesh) {
   constexpr PetscInt unused = -1;
   const PetscInt before = mesh.vertices();
-  const auto dim = static_cast<std::size_t>(mesh.dim);
+  constexpr std::size_t dim = 3;
 
   std::vector<PetscInt> new_number(static_cast<std::size_t>(before), unused);
   for (const PetscInt vertex : mesh.cells) new_number[static_cast<std::size_t>(vertex)] = 0;
@@ -129,10 +165,10 @@ PetscInt drop_unused_vertices(CellList &mesh) {
 
 RestCheck check_rest_shape(const CellList &mesh) {
   RestCheck check;
-  for (PetscInt tetrahedron = 0; tetrahedron < mesh.size(); ++tetrahedron) {
-    const RestShape shape = rest_shape(mesh, static_cast<std::size_t>(tetrahedron));
+  for (PetscInt cell = 0; cell < mesh.size(); ++cell) {
+    const RestShape shape = rest_shape(mesh, static_cast<std::size_t>(cell));
     if (shape == RestShape::good) continue;
-    if (check.bad() == 0) check.first = tetrahedron + 1;
+    if (check.bad() == 0) check.first = cell + 1;
     ++(shape == RestShape::negative ? check.negative : check.degenerate);
   }
   return check;
@@ -140,14 +176,14 @@ RestCheck check_rest_shape(const CellList &mesh) {
 
 PetscInt repair_rest_shape(CellList &mesh, Repair repair, const std::string &name) {
   if (mesh.size() == 0) throw InputError(name + ": has no tetrahedra; give a volume mesh");
+  if (mesh.dim == 2) lay_flat(mesh, name);
   const RestCheck check = check_rest_shape(mesh);
   if (check.bad() == 0) return 0;
   if (repair == Repair::none) fail_for_rest_shape(mesh, check, name);
   if (check.bad() == mesh.size())
     throw InputError(name + ": nothing is left with -mesh_repair drop, because " +
-                     counted(check.degenerate, "degenerate") + " and " +
-                     counted(check.negative, "of negative volume") + "; mend the mesh");
-  drop_bad_tetrahedra(mesh);
+                     counts_of_bad(mesh, check) + "; mend the mesh");
+  drop_bad_cells(mesh);
   return check.bad();
 }
 
@@ -162,7 +198,7 @@ void normalize(CellList &mesh) {
   const int exponent = scaling_exponent(mesh.coordinates);
   for (double &coordinate : mesh.coordinates) coordinate = std::ldexp(coordinate, exponent);
 
-  const auto dim = static_cast<std::size_t>(mesh.dim);
+  constexpr std::size_t dim = 3;
   Point mean{};
   for (std::size_t entry = 0; entry < mesh.coordinates.size(); ++entry)
     mean[entry % dim] += mesh.coordinates[entry];

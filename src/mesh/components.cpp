@@ -21,9 +21,10 @@ std::vector<PetscInt> local_components(const Mesh &mesh) {
     }
     return v;
   };
-  for (std::size_t c = 0; c + 3 < mesh.cells.size(); c += 4) {
+  const auto width = static_cast<std::size_t>(mesh.nodes_per_cell);
+  for (std::size_t c = 0; c < mesh.cells.size(); c += width) {
     const PetscInt root = representative(mesh.cells[c]);
-    for (std::size_t a = 1; a < 4; ++a) {
+    for (std::size_t a = 1; a < width; ++a) {
       parent[static_cast<std::size_t>(representative(mesh.cells[c + a]))] = root;
     }
   }

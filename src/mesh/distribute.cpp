@@ -1,3 +1,5 @@
+#include <petscsf.h>
+
 #include <algorithm>
 #include <limits>
 #include <numeric>
@@ -34,6 +36,7 @@ PetscErrorCode scatter(MPI_Comm comm, MPI_Datatype type, const std::vector<T> &a
 PetscErrorCode send_shares(MPI_Comm comm, const CellList &whole, const Partition &partition,
                            Share *share) {
   PetscMPIInt rank = 0, ranks = 0;
+  const int width = whole.nodes_per_cell();
   PetscFunctionBeginUser;
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
   PetscCallMPI(MPI_Comm_size(comm, &ranks));
@@ -43,7 +46,7 @@ PetscErrorCode send_shares(MPI_Comm comm, const CellList &whole, const Partition
   std::vector<PetscInt> sorted, groups(whole.groups.size());
   if (rank == 0) {
     for (PetscInt p : partition.rank_of_cell) {
-      corner_counts[static_cast<std::size_t>(p)] += whole.corners;
+      corner_counts[static_cast<std::size_t>(p)] += width;
     }
     std::vector<std::size_t> next(parts, 0);
     std::exclusive_scan(corner_counts.begin(), corner_counts.end(), next.begin(), std::size_t{0});
@@ -53,17 +56,17 @@ PetscErrorCode send_shares(MPI_Comm comm, const CellList &whole, const Partition
     for (PetscInt p : partition.rank_of_cell) {
       auto &position = next[static_cast<std::size_t>(p)];
       if (!groups.empty()) {
-        groups[position / static_cast<std::size_t>(whole.corners)] = *group++;
+        groups[position / static_cast<std::size_t>(width)] = *group++;
         ++group_counts[static_cast<std::size_t>(p)];
       }
-      std::copy_n(corner, whole.corners, sorted.begin() + static_cast<std::ptrdiff_t>(position));
-      position += static_cast<std::size_t>(whole.corners);
-      corner += whole.corners;
+      std::copy_n(corner, width, sorted.begin() + static_cast<std::ptrdiff_t>(position));
+      position += static_cast<std::size_t>(width);
+      corner += width;
     }
     const PetscInt vertices = whole.vertices();
     for (PetscInt p = 0; p < ranks; ++p) {
       coordinate_counts[static_cast<std::size_t>(p)] =
-          whole.dim * (vertices / ranks + (p < vertices % ranks));
+          3 * (vertices / ranks + (p < vertices % ranks));
     }
   }
   PetscCall(scatter(comm, MPIU_INT, sorted, corner_counts, &share->cells));
@@ -137,11 +140,12 @@ PetscErrorCode take_cells(Mesh *mesh) {
   PetscInt begin = 0, end = 0;
   PetscFunctionBeginUser;
   PetscCall(DMPlexGetHeightStratum(mesh->dm, 0, &begin, &end));
-  mesh->cells.reserve(static_cast<std::size_t>(4 * (end - begin)));
+  mesh->cells.reserve(static_cast<std::size_t>(mesh->nodes_per_cell * (end - begin)));
   for (PetscInt c = begin; c < end; ++c) {
     const PetscInt *corner = nullptr;
     PetscCall(DMPlexGetCone(mesh->dm, c, &corner));
-    for (int a = 0; a < 4; ++a) mesh->cells.push_back(corner[a] - mesh->first_vertex);
+    for (int a = 0; a < mesh->nodes_per_cell; ++a)
+      mesh->cells.push_back(corner[a] - mesh->first_vertex);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -173,6 +177,29 @@ PetscErrorCode send_group_names(MPI_Comm comm, const std::map<std::string, Petsc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// How many vertices are corners of a cell, which the owner of a vertex may have to be told.
+PetscErrorCode count_corners(MPI_Comm comm, Mesh *mesh) {
+  PetscSF points = nullptr;
+  PetscInt begin = 0, end = 0, corners = 0;
+  PetscFunctionBeginUser;
+  PetscCall(DMGetPointSF(mesh->dm, &points));
+  PetscCall(DMPlexGetChart(mesh->dm, &begin, &end));
+  std::vector<PetscInt> seen(static_cast<std::size_t>(end - begin), 0);
+  const auto width = static_cast<std::size_t>(mesh->nodes_per_cell);
+  for (std::size_t k = 0; k < mesh->cells.size(); ++k) {
+    if (static_cast<int>(k % width) > mesh->dimension) continue;
+    seen[static_cast<std::size_t>(mesh->first_vertex + mesh->cells[k])] = 1;
+  }
+  std::vector<PetscInt> at_owner(seen);
+  PetscCall(PetscSFReduceBegin(points, MPIU_INT, seen.data(), at_owner.data(), MPI_MAX));
+  PetscCall(PetscSFReduceEnd(points, MPIU_INT, seen.data(), at_owner.data(), MPI_MAX));
+  for (std::size_t v = 0; v < mesh->owned.size(); ++v) {
+    corners += mesh->owned[v] && at_owner[static_cast<std::size_t>(mesh->first_vertex) + v];
+  }
+  PetscCallMPI(MPI_Allreduce(&corners, &mesh->total_corners, 1, MPIU_INT, MPI_SUM, comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode count_totals(MPI_Comm comm, Mesh *mesh) {
   PetscMPIInt ranks = 0;
   PetscFunctionBeginUser;
@@ -184,6 +211,7 @@ PetscErrorCode count_totals(MPI_Comm comm, Mesh *mesh) {
   PetscCallMPI(MPI_Allreduce(mine, &largest, 1, MPIU_INT, MPI_MAX, comm));
   mesh->total_cells = totals[0];
   mesh->total_vertices = totals[1];
+  PetscCall(count_corners(comm, mesh));
   mesh->imbalance = static_cast<double>(largest) * ranks / static_cast<double>(totals[0]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -194,18 +222,24 @@ PetscErrorCode distribute_mesh(MPI_Comm comm, const CellList &whole, const std::
                                PetscInt refine, Mesh *mesh) {
   Partition partition;
   Share share;
+  int shape[2] = {whole.dim, whole.order};
   PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Bcast(shape, 2, MPI_INT, 0, comm));
+  PetscCheck(shape[1] == 1 || refine == 0, comm, PETSC_ERR_ARG_WRONG,
+             "quadratic cells are refined before they are distributed");
+  mesh->dimension = shape[0];
+  mesh->nodes_per_cell = shape[1] == 1 ? shape[0] + 1 : (shape[0] + 1) * (shape[0] + 2) / 2;
   PetscCall(partition_cells(comm, whole, partitioner, &partition));
   PetscCallMPI(MPI_Bcast(&partition.edge_cut, 1, MPIU_INT, 0, comm));
   mesh->edge_cut = partition.edge_cut;
   PetscCall(send_shares(comm, whole, partition, &share));
   PetscCall(DMPlexCreateFromCellListParallelPetsc(
-      comm, 3, static_cast<PetscInt>(share.cells.size()) / 4,
-      static_cast<PetscInt>(share.coordinates.size()) / 3, PETSC_DECIDE, 4, PETSC_FALSE,
-      share.cells.data(), 3, share.coordinates.data(), nullptr, nullptr, &mesh->dm));
+      comm, mesh->dimension, static_cast<PetscInt>(share.cells.size()) / mesh->nodes_per_cell,
+      static_cast<PetscInt>(share.coordinates.size()) / 3, PETSC_DECIDE, mesh->nodes_per_cell,
+      PETSC_FALSE, share.cells.data(), 3, share.coordinates.data(), nullptr, nullptr, &mesh->dm));
   for (PetscInt level = 0; level < refine; ++level) {
     PetscCall(refine_uniformly(&mesh->dm));
-    mesh->edge_cut *= 4;
+    mesh->edge_cut *= mesh->dimension == 3 ? 4 : 2;
   }
   PetscCall(take_vertex_numbers(mesh));
   PetscCall(take_coordinates(mesh));

@@ -59,6 +59,26 @@ CellList box(PetscInt cells) {
   return mesh;
 }
 
+// Every other diagonal of a square the other way, so that none of the two is preferred.
+CellList square(PetscInt cells) {
+  CellList mesh;
+  mesh.dim = 2;
+  const PetscInt points = cells + 1;
+  for (PetscInt j = 0; j <= cells; ++j)
+    for (PetscInt i = 0; i <= cells; ++i)
+      mesh.coordinates.insert(mesh.coordinates.end(),
+                              {i / static_cast<double>(cells), j / static_cast<double>(cells), 0});
+  for (PetscInt j = 0; j < cells; ++j)
+    for (PetscInt i = 0; i < cells; ++i) {
+      const PetscInt a = j * points + i, b = a + 1, c = b + points, d = a + points;
+      if ((i + j) % 2 == 0)
+        mesh.cells.insert(mesh.cells.end(), {a, b, c, a, c, d});
+      else
+        mesh.cells.insert(mesh.cells.end(), {a, b, d, b, c, d});
+    }
+  return mesh;
+}
+
 // Maps the cube [-1,1]^3 to the ball of radius 0.5, concentric cubes to concentric spheres. The
 // tangent makes cells of about equal angle of cells of equal size.
 Point cube_to_ball(const Point &cube) {
@@ -173,14 +193,16 @@ CellList knot(PetscInt rings) {
 struct Kind {
   const char *name;
   PetscInt default_resolution;
-  PetscInt tetrahedra;  // at resolution 1: a multiple of the cube of the resolution
+  PetscInt cells;  // at resolution 1: a multiple of the resolution to the power of the dimension
+  int dim;
   CellList (*make)(PetscInt resolution);
 };
 
-constexpr Kind kinds[] = {{"box", 8, 6, box},
-                          {"cylinder", 4, 18 * cylinder_layers_per_ring, cylinder},
-                          {"knot", 2, 18 * knot_layers_per_ring, knot},
-                          {"ball", 4, 48, ball}};
+constexpr Kind kinds[] = {{"box", 8, 6, 3, box},
+                          {"cylinder", 4, 18 * cylinder_layers_per_ring, 3, cylinder},
+                          {"knot", 2, 18 * knot_layers_per_ring, 3, knot},
+                          {"ball", 4, 48, 3, ball},
+                          {"square", 40, 2, 2, square}};
 
 const Kind &find_kind(const std::string &name) {
   std::string known;
@@ -196,7 +218,7 @@ PetscInt refined_resolution(const Kind &kind, PetscInt resolution, PetscInt refi
   constexpr double most_entries = std::numeric_limits<std::int32_t>::max();
   const double refined = std::ldexp(resolution == 0 ? kind.default_resolution : resolution,
                                     std::min(refine, PetscInt{64}));
-  if (4. * kind.tetrahedra * refined * refined * refined > most_entries)
+  if (4. * kind.cells * std::pow(refined, kind.dim) > most_entries)
     throw InputError("the generated mesh '" + std::string(kind.name) + "' of resolution " +
                      std::to_string(resolution) + " and refine " + std::to_string(refine) +
                      " would have more than 2^31 entries; lower one of the two");

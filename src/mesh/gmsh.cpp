@@ -125,7 +125,9 @@ void skip_section(MeshFile &file, std::string_view section) {
 void read_section(GmshNumbers &numbers, Version version, const std::string &section,
                   GmshContents &contents) {
   const bool is_nodes = section == "$Nodes";
-  if (is_nodes ? !contents.node_tags.empty() : !contents.tetrahedra.empty())
+  const bool has_cells = std::any_of(contents.cells.begin(), contents.cells.end(),
+                                     [](const GmshCells &cells) { return !cells.tags.empty(); });
+  if (is_nodes ? !contents.node_tags.empty() : has_cells)
     numbers.file().fail("a second section " + section + "; save the mesh as one file, once");
   if (numbers.is_binary()) numbers.file().end_line();
   if (version == Version::v2_2)
@@ -163,33 +165,56 @@ GmshContents read_sections(MeshFile &file, const Format &format) {
   return contents;
 }
 
-// Groups of the cells, where any has one, and the names of such groups.
-void number_groups(const GmshContents &contents, CellList &mesh) {
-  bool has_groups = false;
-  for (const GmshTetrahedron &tetrahedron : contents.tetrahedra) {
-    has_groups = has_groups || tetrahedron.group != 0;
-    mesh.groups.push_back(static_cast<PetscInt>(tetrahedron.group));
+// The cells that make the body: tetrahedra where there are any, else triangles.
+GmshCells &body(const MeshFile &file, GmshContents &contents) {
+  for (const std::size_t linear : {2, 0}) {
+    GmshCells &first = contents.cells[linear], &second = contents.cells[linear + 1];
+    if (first.tags.empty() && second.tags.empty()) continue;
+    if (!first.tags.empty() && !second.tags.empty())
+      file.fail_as_a_whole("has " +
+                           counted_cells(static_cast<PetscInt>(first.tags.size()), first.dim) +
+                           " of first order beside " + std::to_string(second.tags.size()) +
+                           " of second; save it again with all of one order (gmsh -order 2)");
+    return first.tags.empty() ? second : first;
   }
-  if (!has_groups) mesh.groups.clear();
-  for (const auto &[name, number] : contents.groups.of_dimension[3])
+  file.fail_as_a_whole(
+      "has no tetrahedra (element type 4 or 11) and no triangles in $Elements; mesh the volume "
+      "(gmsh -3) and save all of it");
+}
+
+// Groups of the cells, where any has one, and the names of such groups.
+void number_groups(const GmshCells &cells, const GmshGroups &groups, CellList &mesh) {
+  if (std::any_of(cells.groups.begin(), cells.groups.end(),
+                  [](std::int64_t group) { return group != 0; }))
+    mesh.groups.assign(cells.groups.begin(), cells.groups.end());
+  for (const auto &[name, number] : groups.of_dimension[cells.dim])
     mesh.group_names.emplace(name, static_cast<PetscInt>(number));
 }
 
 CellList number_vertices(const MeshFile &file, GmshContents contents) {
   CellList mesh;
+  const GmshCells &cells = body(file, contents);
+  mesh.dim = cells.dim;
+  mesh.order = cells.order;
+  const auto width = static_cast<std::size_t>(mesh.nodes_per_cell());
+  file.check_numbering(static_cast<std::int64_t>(contents.node_tags.size()), 3, "nodes");
+  file.check_numbering(static_cast<std::int64_t>(cells.tags.size()), mesh.nodes_per_cell(),
+                       mesh.dim == 2 ? "triangles" : "tetrahedra");
   mesh.coordinates = std::move(contents.coordinates);
-  mesh.cells.reserve(4 * contents.tetrahedra.size());
+  mesh.cells.reserve(cells.nodes.size());
   const VertexOfTag vertex_of_tag(file, contents.node_tags);
-  for (const GmshTetrahedron &tetrahedron : contents.tetrahedra)
-    for (const std::int64_t node : tetrahedron.nodes) {
-      const PetscInt vertex = vertex_of_tag(node);
-      if (vertex == no_vertex)
-        file.fail_as_a_whole("element " + std::to_string(tetrahedron.tag) + " names node " +
-                             std::to_string(node) +
-                             ", which $Nodes does not define; correct it or save the mesh again");
-      mesh.cells.push_back(vertex);
-    }
-  number_groups(contents, mesh);
+  for (std::size_t entry = 0; entry < cells.nodes.size(); ++entry) {
+    const PetscInt vertex = vertex_of_tag(cells.nodes[entry]);
+    if (vertex == no_vertex)
+      file.fail_as_a_whole("element " + std::to_string(cells.tags[entry / width]) + " names node " +
+                           std::to_string(cells.nodes[entry]) +
+                           ", which $Nodes does not define; correct it or save the mesh again");
+    mesh.cells.push_back(vertex);
+  }
+  // Gmsh has the midpoint of edge (2,3) before that of (1,3).
+  for (std::size_t entry = 0; width == 10 && entry < mesh.cells.size(); entry += width)
+    std::swap(mesh.cells[entry + 8], mesh.cells[entry + 9]);
+  number_groups(cells, contents.groups, mesh);
   return mesh;
 }
 
@@ -206,12 +231,6 @@ CellList read_gmsh(MeshFile &file) {
   const Format format = read_format(file);
   GmshContents contents = read_sections(file, format);
   if (contents.node_tags.empty()) file.fail_as_a_whole("has no $Nodes; save the mesh again");
-  if (contents.tetrahedra.empty())
-    file.fail_as_a_whole(
-        "has no tetrahedra (element type 4) in $Elements; mesh the volume (gmsh -3) and save all "
-        "of it");
-  file.check_numbering(static_cast<std::int64_t>(contents.node_tags.size()), 3, "nodes");
-  file.check_numbering(static_cast<std::int64_t>(contents.tetrahedra.size()), 4, "tetrahedra");
   return number_vertices(file, std::move(contents));
 }
 

@@ -12,10 +12,11 @@
 
 namespace trefoil {
 
-/// Reads a Gmsh mesh, MSH 2.2 or 4.1, ASCII or binary: its nodes and its tetrahedra of type 4,
-/// with their physical groups. Elements of lower dimension and other sections are skipped, other
-/// volume elements are an InputError. Format: C. Geuzaine, J.-F. Remacle, "Gmsh reference manual",
-/// chapter "File formats".
+/// Reads a Gmsh mesh, MSH 2.2 or 4.1, ASCII or binary: its nodes and its tetrahedra, of first order
+/// (type 4) or second (11); where it has none its triangles (2 or 9); with
+/// their physical groups. Other elements of lower
+/// dimension and other sections are skipped, other volume elements are an InputError. Format: C.
+/// Geuzaine, J.-F. Remacle, "Gmsh reference manual", chapter "File formats".
 CellList read_gmsh(MeshFile &file);
 
 // What follows is shared by the readers of the two versions.
@@ -42,11 +43,12 @@ class GmshNumbers {
   bool is_binary_;
 };
 
-/// A tetrahedron as the file has it: its own tag, its physical group (0: none) and the tags of its
-/// nodes.
-struct GmshTetrahedron {
-  std::int64_t tag, group;
-  std::array<std::int64_t, 4> nodes;
+/// Cells of one type as the file has them: their own tags, their physical groups (0: none), and the
+/// tags of their nodes.
+struct GmshCells {
+  std::int64_t type;
+  int dim, order;
+  std::vector<std::int64_t> tags{}, groups{}, nodes{};
 };
 
 /// What the sections $PhysicalNames and, in version 4.1, $Entities say of groups. Names and groups
@@ -61,14 +63,20 @@ struct GmshGroups {
 struct GmshContents {
   std::vector<std::int64_t> node_tags;
   std::vector<double> coordinates;  ///< nodes x 3
-  std::vector<GmshTetrahedron> tetrahedra;
   GmshGroups groups;
+  /// The types that may make a mesh.
+  std::array<GmshCells, 4> cells{{{2, 2, 1}, {9, 2, 2}, {4, 3, 1}, {11, 3, 2}}};
+
+  /// The cells of a type; null for other types.
+  [[nodiscard]] GmshCells *of_type(std::int64_t type) {
+    for (GmshCells &each : cells)
+      if (each.type == type) return &each;
+    return nullptr;
+  }
 };
 
-constexpr std::int64_t gmsh_tetrahedron = 4;
-
 /// The number of nodes of an element of a Gmsh type; InputError if the type is unknown, or if it
-/// is a volume element other than the linear tetrahedron.
+/// is a volume element other than a tetrahedron of first or second order.
 int nodes_of_element(const MeshFile &file, std::int64_t type);
 
 /// Reads a finite coordinate of node `tag`.

@@ -24,12 +24,15 @@ void read_element(GmshNumbers &numbers, std::int64_t tag, std::int64_t type, int
     const std::int64_t number = numbers.integer("a tag of an element");
     if (label == 0) group = std::abs(number);
   }
-  GmshTetrahedron tetrahedron{tag, group, {}};
+  GmshCells *cells = contents.of_type(type);
+  if (cells) {
+    cells->tags.push_back(tag);
+    cells->groups.push_back(group);
+  }
   for (int node = 0; node < nodes; ++node) {
     const std::int64_t node_tag = numbers.integer("a node of an element");
-    if (type == gmsh_tetrahedron) tetrahedron.nodes[static_cast<std::size_t>(node)] = node_tag;
+    if (cells) cells->nodes.push_back(node_tag);
   }
-  if (type == gmsh_tetrahedron) contents.tetrahedra.push_back(tetrahedron);
 }
 
 std::int64_t read_label_count(GmshNumbers &numbers) {

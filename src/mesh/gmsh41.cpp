@@ -73,13 +73,17 @@ std::int64_t read_element_block(GmshNumbers &numbers, GmshContents &contents) {
   const auto width = static_cast<std::size_t>(1 + nodes);
   const std::int64_t count = numbers.checked_count(
       numbers.size("the number of elements in a block"), width, width * bytes_of_tag, "elements");
+  GmshCells *cells = contents.of_type(type);
   for (std::int64_t element = 0; element < count; ++element) {
-    GmshTetrahedron tetrahedron{numbers.size("an element tag"), group, {}};
+    const std::int64_t tag = numbers.size("an element tag");
+    if (cells) {
+      cells->tags.push_back(tag);
+      cells->groups.push_back(group);
+    }
     for (int node = 0; node < nodes; ++node) {
       const std::int64_t node_tag = numbers.size("a node of an element");
-      if (type == gmsh_tetrahedron) tetrahedron.nodes[static_cast<std::size_t>(node)] = node_tag;
+      if (cells) cells->nodes.push_back(node_tag);
     }
-    if (type == gmsh_tetrahedron) contents.tetrahedra.push_back(tetrahedron);
   }
   return count;
 }

@@ -16,11 +16,11 @@ struct VolumeType {
   const char *name;
 };
 
-// Points, lines, triangles and quadrilaterals of all orders, and the linear tetrahedron.
-constexpr ElementType accepted_types[] = {{1, 2},   {2, 3},   {3, 4},   {4, 4},   {8, 3},
-                                          {9, 6},   {10, 9},  {15, 1},  {16, 8},  {20, 9},
-                                          {21, 10}, {22, 12}, {23, 15}, {24, 15}, {25, 21},
-                                          {26, 4},  {27, 5},  {28, 6},  {36, 16}, {37, 25}};
+// Points, lines, triangles and quadrilaterals of all orders, and tetrahedra of the first two.
+constexpr ElementType accepted_types[] = {{1, 2},   {2, 3},   {3, 4},   {4, 4},   {8, 3},  {9, 6},
+                                          {10, 9},  {11, 10}, {15, 1},  {16, 8},  {20, 9}, {21, 10},
+                                          {22, 12}, {23, 15}, {24, 15}, {25, 21}, {26, 4}, {27, 5},
+                                          {28, 6},  {36, 16}, {37, 25}};
 
 constexpr VolumeType refused_types[] = {{5, "a hexahedron"},
                                         {6, "a prism"},
@@ -34,8 +34,7 @@ constexpr VolumeType refused_types[] = {{5, "a hexahedron"},
                                         {92, "a third-order hexahedron of 64 nodes"},
                                         {93, "a fourth-order hexahedron of 125 nodes"}};
 
-constexpr VolumeType curved_tetrahedra[] = {{11, "a quadratic tetrahedron of 10 nodes"},
-                                            {29, "a cubic tetrahedron of 20 nodes"},
+constexpr VolumeType curved_tetrahedra[] = {{29, "a cubic tetrahedron of 20 nodes"},
                                             {30, "a fourth-order tetrahedron of 35 nodes"},
                                             {31, "a fifth-order tetrahedron of 56 nodes"}};
 
@@ -48,7 +47,7 @@ int nodes_of_element(const MeshFile &file, std::int64_t type) {
   for (const VolumeType &curved : curved_tetrahedra)
     if (curved.type == type)
       file.fail(number + " is " + curved.name +
-                ", which a later version will read; save first-order elements (gmsh -order 1)");
+                ", but only the first two orders are read; save it again with gmsh -order 2");
   for (const VolumeType &refused : refused_types)
     if (refused.type == type)
       file.fail(number + " is " + refused.name +

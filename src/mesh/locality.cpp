@@ -58,28 +58,27 @@ void order_along_curve(CellList &mesh) {
   }
   mesh.coordinates.swap(coordinates);
 
-  struct Cell {
-    std::array<PetscInt, 4> corners;
-    PetscInt group;
-  };
-  std::vector<std::pair<PetscInt, Cell>> cells;  // by the sum of their corners' numbers
-  cells.reserve(mesh.cells.size() / 4);
-  for (std::size_t c = 0; c + 3 < mesh.cells.size(); c += 4) {
-    Cell cell{{}, mesh.groups.empty() ? 0 : mesh.groups[c / 4]};
+  const auto width = static_cast<std::size_t>(mesh.nodes_per_cell());
+  const auto corners = static_cast<std::size_t>(mesh.corners());
+  std::vector<std::pair<PetscInt, std::size_t>> cells;  // by the sum of their corners' numbers
+  cells.reserve(mesh.cells.size() / width);
+  for (PetscInt &vertex : mesh.cells) vertex = number[static_cast<std::size_t>(vertex)];
+  for (std::size_t c = 0; c < mesh.cells.size(); c += width) {
     PetscInt sum = 0;
-    for (std::size_t a = 0; a < 4; ++a) {
-      cell.corners[a] = number[static_cast<std::size_t>(mesh.cells[c + a])];
-      sum += cell.corners[a] / 4;
-    }
-    cells.emplace_back(sum, cell);
+    for (std::size_t a = 0; a < corners; ++a) sum += mesh.cells[c + a] / 4;
+    cells.emplace_back(sum, c);
   }
   std::stable_sort(cells.begin(), cells.end(),
                    [](const auto &a, const auto &b) { return a.first < b.first; });
-  mesh.cells.clear();
-  for (const auto &[place_in_order, cell] : cells) {
-    mesh.cells.insert(mesh.cells.end(), cell.corners.begin(), cell.corners.end());
+  std::vector<PetscInt> sorted, groups;
+  sorted.reserve(mesh.cells.size());
+  for (const auto &entry : cells) {
+    const auto cell = mesh.cells.begin() + static_cast<std::ptrdiff_t>(entry.second);
+    if (!mesh.groups.empty()) groups.push_back(mesh.groups[entry.second / width]);
+    sorted.insert(sorted.end(), cell, cell + static_cast<std::ptrdiff_t>(width));
   }
-  for (std::size_t c = 0; c < mesh.groups.size(); ++c) mesh.groups[c] = cells[c].second.group;
+  mesh.cells.swap(sorted);
+  mesh.groups.swap(groups);
 }
 
 }  // namespace trefoil

@@ -13,6 +13,11 @@ namespace trefoil {
 
 /// One rank's part of a distributed mesh: a DMPlex (cells and vertices, not interpolated), and flat
 /// arrays taken from it once, for the element loops.
+///
+/// Vertices are all nodes of the elements, midpoints of edges included (see CellList): to the
+/// DMPlex a quadratic tetrahedron is a cell of ten vertices, so that no edges and faces need be
+/// made. Points have three coordinates and vertices three displacements, of which a plane body, in
+/// z = 0, leaves the third at rest (plane strain).
 struct Mesh {
   Mesh() = default;
   Mesh(const Mesh &) = delete;
@@ -21,7 +26,9 @@ struct Mesh {
 
   DM dm = nullptr;
   PetscInt first_vertex = 0;            ///< DMPlex point of local vertex 0
-  std::vector<PetscInt> cells;          ///< local cells x 4, local vertex numbers
+  int dimension = 3;                    ///< of the cells: 3 tetrahedra, 2 triangles
+  int nodes_per_cell = 4;               ///< 4 or 10, in the plane 3 or 6
+  std::vector<PetscInt> cells;          ///< local cells x nodes_per_cell, local vertex numbers
   std::vector<double> coordinates;      ///< local vertices (ghosts included) x 3, rest positions
   std::vector<PetscInt> global_vertex;  ///< of each local vertex; ranks own consecutive ranges
   std::vector<char> owned;              ///< of each local vertex: this rank owns it
@@ -30,16 +37,26 @@ struct Mesh {
   std::array<double, 3> box_min{}, box_max{};  ///< of the whole mesh
 
   PetscInt total_cells = 0, total_vertices = 0;
-  PetscInt edge_cut = 0;  ///< faces between cells of different ranks
-  double imbalance = 1;   ///< largest part over the mean part, in cells
+  PetscInt total_corners = 0;  ///< vertices that are no midpoints of edges
+  PetscInt edge_cut = 0;       ///< faces between cells of different ranks
+  double imbalance = 1;        ///< largest part over the mean part, in cells
 
-  [[nodiscard]] PetscInt local_cells() const { return static_cast<PetscInt>(cells.size()) / 4; }
+  [[nodiscard]] PetscInt local_cells() const {
+    return static_cast<PetscInt>(cells.size()) / nodes_per_cell;
+  }
+  /// "tri3", "tri6", "tet4" or "tet10".
+  [[nodiscard]] std::string element_name() const {
+    return (dimension == 2 ? "tri" : "tet") + std::to_string(nodes_per_cell);
+  }
   [[nodiscard]] PetscInt local_vertices() const {
     return static_cast<PetscInt>(coordinates.size()) / 3;
   }
   /// Bytes of the flat arrays on this rank.
   [[nodiscard]] double bytes() const;
 };
+
+/// The mean of a local cell's corners.
+std::array<double, 3> centroid_of_cell(const Mesh &mesh, std::size_t cell);
 
 /// A rank for each cell, chosen on the rank that holds the whole mesh.
 struct Partition {
@@ -56,7 +73,7 @@ PetscErrorCode partition_cells(MPI_Comm comm, const CellList &whole, const std::
 
 /// Sends each rank its cells and builds the distributed DMPlex from them: partitioned before it is
 /// made, and never interpolated, which is 10 to 40 times cheaper than the other way round.
-/// Then refines it uniformly `refine` times (8 cells from one).
+/// Then refines linear cells uniformly `refine` times (8 tetrahedra or 4 triangles from one).
 /// Collective; `whole` matters on the first rank only.
 PetscErrorCode distribute_mesh(MPI_Comm comm, const CellList &whole, const std::string &partitioner,
                                PetscInt refine, Mesh *mesh);

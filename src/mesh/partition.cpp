@@ -18,8 +18,14 @@ struct DualGraph {
 DualGraph dual_graph(const CellList &mesh) {
   idx_t cells = mesh.size(), vertices = mesh.vertices(), common = mesh.dim, base = 0;
   std::vector<idx_t> begin(static_cast<std::size_t>(cells) + 1);
-  for (std::size_t c = 0; c < begin.size(); ++c) begin[c] = static_cast<idx_t>(c) * mesh.corners;
-  std::vector<idx_t> corner(mesh.cells.begin(), mesh.cells.end());
+  std::vector<idx_t> corner;
+  corner.reserve(static_cast<std::size_t>(cells) * static_cast<std::size_t>(mesh.corners()));
+  for (std::size_t c = 0; c < begin.size(); ++c) {
+    begin[c] = static_cast<idx_t>(c) * mesh.corners();
+    if (static_cast<idx_t>(c) == cells) break;
+    const auto cell = mesh.cells.begin() + static_cast<std::ptrdiff_t>(c) * mesh.nodes_per_cell();
+    corner.insert(corner.end(), cell, cell + mesh.corners());
+  }
   idx_t *rows = nullptr, *columns = nullptr;
   DualGraph graph;
   if (METIS_MeshToDual(&cells, &vertices, begin.data(), corner.data(), &common, &base, &rows,
@@ -117,12 +123,13 @@ PetscErrorCode partition_cells(MPI_Comm comm, const CellList &whole, const std::
   PetscFunctionBeginUser;
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
   PetscCallMPI(MPI_Comm_size(comm, &ranks));
-  PetscInt cells = rank == 0 ? whole.size() : 0;
-  PetscCallMPI(MPI_Bcast(&cells, 1, MPIU_INT, 0, comm));
+  PetscInt shape[2] = {whole.dim, rank == 0 ? whole.size() : 0};
+  PetscCallMPI(MPI_Bcast(shape, 2, MPIU_INT, 0, comm));
+  const PetscInt cells = shape[1];
   PetscCheck(ranks <= cells, comm, PETSC_ERR_USER_INPUT,
-             "there are more ranks (%d) than tetrahedra (%" PetscInt_FMT
+             "there are more ranks (%d) than %s (%" PetscInt_FMT
              "); start fewer ranks or refine the mesh",
-             ranks, cells);
+             ranks, shape[0] == 2 ? "triangles" : "tetrahedra", cells);
   if (ranks == 1) {
     partition->rank_of_cell.assign(static_cast<std::size_t>(cells), 0);
     PetscFunctionReturn(PETSC_SUCCESS);

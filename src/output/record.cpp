@@ -46,10 +46,11 @@ PetscErrorCode complete_record(const Scene &scene, const SolveOutcome &outcome,
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, seconds, 5, MPI_DOUBLE, MPI_MAX, comm));
   Json record = Json::parse(outcome.plugin_record, nullptr, false);
   PetscCheck(record.is_object(), comm, PETSC_ERR_PLIB, "the solver left no record");
-  record["mesh"] = {{"vertices", scene.mesh.total_vertices},
+  record["mesh"] = {{"vertices", scene.mesh.total_corners},
+                    {"nodes", scene.mesh.total_vertices},
                     {"elements", scene.mesh.total_cells},
-                    {"element", "tet4"},
-                    {"dofs", 3 * scene.mesh.total_vertices},
+                    {"element", scene.mesh.element_name()},
+                    {"dofs", scene.mesh.dimension * scene.mesh.total_vertices},
                     {"free_dofs", scene.discretization.total_dofs()},
                     {"inverted_at_start", outcome.inverted_at_start},
                     {"edge_cut", scene.mesh.edge_cut},

@@ -84,7 +84,7 @@ bool is_consistent(const Snapshot &snapshot) {
   const auto dim = static_cast<std::size_t>(snapshot.dim);
   const auto corners = static_cast<std::size_t>(snapshot.corners);
   if (dim != 2 && dim != 3) return false;
-  if (corners != 3 && corners != 4) return false;
+  if (corners != 3 && corners != 4 && corners != 6 && corners != 10) return false;
   if (snapshot.points.size() % dim != 0 || snapshot.cells.size() % corners != 0) return false;
   for (const auto &field : snapshot.fields) {
     const auto places =
@@ -103,7 +103,7 @@ PetscErrorCode count(MPI_Comm comm, const Snapshot &snapshot, xdmf::Totals *tota
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &consistent, 1, MPI_INT, MPI_MIN, comm));
   PetscCheck(consistent, comm, PETSC_ERR_ARG_SIZ,
              "the arrays of a snapshot must fit its points and cells on every rank: "
-             "1 or 3 components a field, 3 or 4 corners a cell");
+             "1 or 3 components a field, 3, 4, 6 or 10 nodes a cell");
   std::array<PetscInt64, 2> sums{static_cast<PetscInt64>(snapshot.points.size()) / snapshot.dim,
                                  static_cast<PetscInt64>(snapshot.cells.size()) / snapshot.corners};
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sums.data(), 2, MPIU_INT64, MPI_SUM, comm));

@@ -18,7 +18,7 @@ struct Snapshot {
     std::vector<double> values;  ///< owned vertices (or local cells) x components
   };
   int dim = 3;
-  int corners = 4;              ///< vertices of a cell (4: tetrahedron, 3: triangle)
+  int corners = 4;              ///< nodes of a cell: 4 or 10 of a tetrahedron, 3 or 6 of a triangle
   std::vector<double> points;   ///< owned vertices x dim, rest positions
   std::vector<PetscInt> cells;  ///< local cells x corners, global vertex numbers
   std::vector<Field> fields;

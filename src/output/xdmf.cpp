@@ -37,7 +37,10 @@ std::string describe(const std::string &data_file, const Snapshot &snapshot, con
   const std::string integer =
       "NumberType=\"Int\" Precision=\"" + std::to_string(sizeof(PetscInt)) + "\"";
   const std::string real = R"(NumberType="Float" Precision="8")";
-  const char *shape = snapshot.corners == 4 ? "Tetrahedron" : "Triangle";
+  const char *shape = snapshot.corners == 4    ? "Tetrahedron"
+                      : snapshot.corners == 10 ? "Tetrahedron_10"
+                      : snapshot.corners == 6  ? "Triangle_6"
+                                               : "Triangle";
 
   std::ostringstream text;
   text << R"(<?xml version="1.0" encoding="UTF-8"?>

@@ -39,7 +39,9 @@ PetscInt hold(const Mesh &mesh, const std::vector<ConstraintOptions> &constraint
   const ConstraintOptions &constraint = constraints[static_cast<std::size_t>(which)];
   const std::string option = "-constraint_" + constraint.name;
   const Expression where(constraint.where, option + "_where", mesh.box_min, mesh.box_max);
-  const Expression move(constraint.move, option + "_move", mesh.box_min, mesh.box_max);
+  const std::string zero = mesh.dimension == 2 ? "0, 0" : "0, 0, 0";
+  const Expression move(constraint.move.empty() ? zero : constraint.move, option + "_move",
+                        mesh.box_min, mesh.box_max);
   const double tolerance = 1e-12 * box_diagonal(mesh);
   PetscInt taken = 0;
   for (PetscInt v = 0; v < mesh.local_vertices(); ++v) {
@@ -51,8 +53,9 @@ PetscInt hold(const Mesh &mesh, const std::vector<ConstraintOptions> &constraint
     }
     if (chosen == 0) continue;
     taken += mesh.owned[static_cast<std::size_t>(v)];
-    const std::vector<double> target = move.evaluate(position, time, 3);
-    for (int i = 0; i < 3; ++i) {
+    const std::vector<double> target =
+        move.evaluate(position, time, static_cast<std::size_t>(mesh.dimension));
+    for (int i = 0; i < mesh.dimension; ++i) {
       const auto dof = static_cast<std::size_t>(3 * v + i);
       const double value = target[static_cast<std::size_t>(i)];
       if (Expression::is_free(value)) continue;
@@ -75,8 +78,7 @@ PetscErrorCode hold_vertices(const Mesh &mesh, const std::vector<ConstraintOptio
                              double time, HeldDofs *held) {
   const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(mesh.dm));
   PetscFunctionBeginUser;
-  held->held.assign(mesh.coordinates.size(), 0);
-  held->value.assign(mesh.coordinates.size(), 0);
+  *held = nothing_held(mesh);
   Holder holder(mesh.coordinates.size(), -1);
   for (int which = 0; which < static_cast<int>(constraints.size()); ++which) {
     const ConstraintOptions &constraint = constraints[static_cast<std::size_t>(which)];

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "element/tet4.hpp"
+#include "element/isoparametric_element.hpp"
 #include "input_error.hpp"
 #include "mesh/boundary.hpp"
 #include "petsc_compatibility.hpp"
@@ -21,68 +21,127 @@ Point position(const Mesh &mesh, PetscInt vertex) {
   return {p[0], p[1], p[2]};
 }
 
-template <class Vertices>
-Point centroid(const Mesh &mesh, const Vertices &vertices) {
-  Point sum{};
-  for (const PetscInt vertex : vertices) {
+/// A point of quadrature in a cell or facet at rest.
+struct LoadPoint {
+  Point position{};
+  double weight = 0;  ///< volume or area that it stands for
+  double values[ReferenceElement::most_nodes] = {};
+};
+
+/// Those of an edge of a plane cell: the middle, or two points for a quadratic one [Gauss].
+std::vector<LoadPoint> points_of_edge(const Mesh &mesh, const Facet &edge) {
+  std::vector<LoadPoint> points;
+  const double offset = edge.count == 2 ? 0 : std::sqrt(1. / 12);
+  for (const double s : edge.count == 2 ? std::vector<double>{0.5}
+                                        : std::vector<double>{0.5 - offset, 0.5 + offset}) {
+    const std::array<double, 3> values =
+        edge.count == 2
+            ? std::array<double, 3>{1 - s, s, 0}
+            : std::array<double, 3>{(1 - s) * (1 - 2 * s), s * (2 * s - 1), 4 * s * (1 - s)};
+    const std::array<double, 3> slopes =
+        edge.count == 2 ? std::array<double, 3>{-1, 1, 0}
+                        : std::array<double, 3>{4 * s - 3, 4 * s - 1, 4 - 8 * s};
+    LoadPoint point;
+    Point tangent{};
+    for (std::size_t a = 0; a < static_cast<std::size_t>(edge.count); ++a) {
+      const Point p = position(mesh, edge.vertices[a]);
+      point.values[a] = values[a];
+      for (std::size_t i = 0; i < 3; ++i) {
+        point.position[i] += values[a] * p[i];
+        tangent[i] += slopes[a] * p[i];
+      }
+    }
+    point.weight = std::hypot(tangent[0], tangent[1]) / (edge.count == 2 ? 1 : 2);
+    points.push_back(point);
+  }
+  return points;
+}
+
+/// Those of a triangle of the surface, straight or bent: the centroid, or three points for a
+/// quadratic one.
+std::vector<LoadPoint> points_of_triangle(const Mesh &mesh, const Facet &facet) {
+  const ReferenceElement &reference = reference_element(2, facet.count);
+  std::vector<LoadPoint> points(static_cast<std::size_t>(reference.points));
+  for (int q = 0; q < reference.points; ++q) {
+    LoadPoint &point = points[static_cast<std::size_t>(q)];
+    Point tangents[2] = {};
+    for (int a = 0; a < facet.count; ++a) {
+      const Point p = position(mesh, facet.begin()[a]);
+      point.values[a] = reference.values[q][a];
+      for (std::size_t i = 0; i < 3; ++i) {
+        point.position[i] += point.values[a] * p[i];
+        for (int k = 0; k < 2; ++k) tangents[k][i] += reference.gradients[q][a][k] * p[i];
+      }
+    }
+    double square = 0;
     for (std::size_t i = 0; i < 3; ++i) {
-      sum[i] += position(mesh, vertex)[i] / static_cast<double>(vertices.size());
+      const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
+      const double normal = tangents[0][j] * tangents[1][k] - tangents[0][k] * tangents[1][j];
+      square += normal * normal;
+    }
+    point.weight = std::sqrt(square) * reference.volume / reference.points;
+  }
+  return points;
+}
+
+/// Those of a cell: its element's own.
+std::vector<LoadPoint> points_of_cell(const Mesh &mesh, const PetscInt *cell) {
+  const ReferenceElement &reference = reference_element(mesh.dimension, mesh.nodes_per_cell);
+  double positions[3 * ReferenceElement::most_nodes];
+  for (int a = 0; a < reference.nodes; ++a) {
+    const Point p = position(mesh, cell[a]);
+    std::copy(p.begin(), p.end(), positions + 3 * a);
+  }
+  const IsoparametricElement element(reference, positions);
+  std::vector<LoadPoint> points(static_cast<std::size_t>(reference.points));
+  for (int q = 0; q < reference.points; ++q) {
+    LoadPoint &point = points[static_cast<std::size_t>(q)];
+    point.weight = element.weight(q);
+    for (int a = 0; a < reference.nodes; ++a) {
+      point.values[a] = reference.values[q][a];
+      for (std::size_t i = 0; i < 3; ++i) {
+        point.position[i] += point.values[a] * positions[3 * a + static_cast<int>(i)];
+      }
     }
   }
-  return sum;
+  return points;
 }
 
-double area(const Mesh &mesh, const Facet &facet) {
-  const Point a = position(mesh, facet[0]), b = position(mesh, facet[1]),
-              c = position(mesh, facet[2]);
-  double sum = 0;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
-    const double normal = (b[j] - a[j]) * (c[k] - a[k]) - (b[k] - a[k]) * (c[j] - a[j]);
-    sum += normal * normal;
-  }
-  return std::sqrt(sum) / 2;
-}
-
-/// Three values of a formula, none of them `free`. Throws InputError.
-Point vector_at(const Expression &formula, const std::string &option, const Point &at,
-                double time) {
-  const std::vector<double> values = formula.evaluate(at.data(), time, 3);
+/// The values of a formula, one for each dimension, none of them `free`. Throws InputError.
+Point vector_at(const Mesh &mesh, const Expression &formula, const std::string &option,
+                const Point &at, double time) {
+  const std::vector<double> values =
+      formula.evaluate(at.data(), time, static_cast<std::size_t>(mesh.dimension));
   if (std::any_of(values.begin(), values.end(), Expression::is_free)) {
     throw InputError(option + ": 'free' is for displacements, not for loads");
   }
-  return {values[0], values[1], values[2]};
+  return {values[0], values[1], mesh.dimension == 3 ? values[2] : 0};
 }
 
-template <class Vertices>
-void spread(const Point &force, const Vertices &vertices, std::vector<double> &forces) {
-  for (const PetscInt vertex : vertices) {
+/// Adds a force per volume or area at a point, by the shape functions there.
+void spread(const Point &force, const LoadPoint &point, const PetscInt *vertices, int count,
+            std::vector<double> &forces) {
+  for (int a = 0; a < count; ++a) {
     for (std::size_t i = 0; i < 3; ++i) {
-      forces[static_cast<std::size_t>(3 * vertex) + i] +=
-          force[i] / static_cast<double>(vertices.size());
+      forces[static_cast<std::size_t>(3 * vertices[a]) + i] +=
+          force[i] * point.weight * point.values[a];
     }
   }
 }
 
-/// rho g V, a quarter for each corner. Throws InputError.
+/// rho g, integrated with the shape functions. Throws InputError.
 void add_gravity(const Mesh &mesh, const LoadOptions &loads,
                  const std::vector<double> &density_of_cell, double time,
                  std::vector<double> &forces) {
   const std::string option = "-load_gravity";
   const Expression gravity(loads.gravity, option, mesh.box_min, mesh.box_max);
   for (std::size_t c = 0; c < density_of_cell.size(); ++c) {
-    std::array<PetscInt, 4> cell{};
-    std::copy_n(mesh.cells.begin() + static_cast<std::ptrdiff_t>(4 * c), 4, cell.begin());
-    double corner[4][3];
-    for (std::size_t a = 0; a < 4; ++a) {
-      const Point p = position(mesh, cell[a]);
-      std::copy(p.begin(), p.end(), corner[a]);
+    const PetscInt *cell = &mesh.cells[static_cast<std::size_t>(mesh.nodes_per_cell) * c];
+    for (const LoadPoint &point : points_of_cell(mesh, cell)) {
+      Point force = vector_at(mesh, gravity, option, point.position, time);
+      for (double &component : force) component *= density_of_cell[c];
+      spread(force, point, cell, mesh.nodes_per_cell, forces);
     }
-    Point force = vector_at(gravity, option, centroid(mesh, cell), time);
-    for (double &component : force) {
-      component *= density_of_cell[c] * Tet4::at_rest(corner).volume;
-    }
-    spread(force, cell, forces);
   }
 }
 
@@ -112,16 +171,17 @@ PetscErrorCode facets_of(const Mesh &mesh, const TractionOptions &load, double t
   });
   PetscCall(agree_on_complaint(comm, complaint));
   const auto wanted = [&](const Facet &facet) {
-    return std::all_of(facet.begin(), facet.end(),
+    return std::all_of(facet.begin(), facet.begin() + facet.corners,
                        [&](PetscInt v) { return chosen[static_cast<std::size_t>(v)]; });
   };
   PetscCall(boundary_facets(mesh, wanted, facets));
   auto count = static_cast<PetscInt>(facets->size());
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &count, 1, MPIU_INT, MPI_SUM, comm));
   PetscCheck(count > 0, comm, PETSC_ERR_USER_INPUT,
-             "load '%s' takes no facet of the surface: %s, which must hold at all three vertices, "
+             "load '%s' takes no facet of the surface: %s, which must hold at %s, "
              "is '%s'",
-             load.name.c_str(), option.c_str(), load.where.c_str());
+             load.name.c_str(), option.c_str(),
+             mesh.dimension == 3 ? "all three vertices" : "both ends", load.where.c_str());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -135,9 +195,11 @@ PetscErrorCode add_traction(const Mesh &mesh, const TractionOptions &load, doubl
   const std::string complaint = complaint_of([&] {
     const Expression traction(load.traction, option, mesh.box_min, mesh.box_max);
     for (const Facet &facet : facets) {
-      Point force = vector_at(traction, option, centroid(mesh, facet), time);
-      for (double &component : force) component *= area(mesh, facet);
-      spread(force, facet, *forces);
+      for (const LoadPoint &point :
+           mesh.dimension == 3 ? points_of_triangle(mesh, facet) : points_of_edge(mesh, facet)) {
+        spread(vector_at(mesh, traction, option, point.position, time), point, facet.begin(),
+               facet.count, *forces);
+      }
     }
   });
   PetscCall(agree_on_complaint(comm, complaint));

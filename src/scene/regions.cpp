@@ -27,15 +27,6 @@ PetscInt find_group(const Mesh &mesh, const RegionOptions &region) {
                    "'; " + (list.empty() ? "it names none" : "it names: " + list));
 }
 
-std::array<double, 3> centroid(const Mesh &mesh, std::size_t cell) {
-  std::array<double, 3> sum{};
-  for (std::size_t a = 0; a < 4; ++a) {
-    const auto vertex = static_cast<std::size_t>(mesh.cells[4 * cell + a]);
-    for (std::size_t i = 0; i < 3; ++i) sum[i] += mesh.coordinates[3 * vertex + i] / 4;
-  }
-  return sum;
-}
-
 /// Which local cells a region takes. Throws InputError.
 std::vector<char> cells_of(const Mesh &mesh, const RegionOptions &region) {
   const auto cells = static_cast<std::size_t>(mesh.local_cells());
@@ -48,7 +39,7 @@ std::vector<char> cells_of(const Mesh &mesh, const RegionOptions &region) {
   const std::string option = "-region_" + region.name + "_where";
   const Expression where(region.where, option, mesh.box_min, mesh.box_max);
   for (std::size_t c = 0; c < cells; ++c) {
-    const double chosen = where.evaluate(centroid(mesh, c).data(), 1, 1)[0];
+    const double chosen = where.evaluate(centroid_of_cell(mesh, c).data(), 1, 1)[0];
     if (Expression::is_free(chosen)) {
       throw InputError(option + ": 'free' is for displacements, not for a choice of cells");
     }
@@ -65,7 +56,7 @@ PetscInt take(const Mesh &mesh, const std::vector<RegionOptions> &regions, std::
     if (!taken[c]) continue;
     const int other = region_of_cell[c];
     if (other) {
-      const std::array<double, 3> p = centroid(mesh, c);
+      const std::array<double, 3> p = centroid_of_cell(mesh, c);
       std::ostringstream text;
       text << "regions '" << regions[static_cast<std::size_t>(other) - 1].name << "' and '"
            << regions[which].name << "' both take the cell at rest position (" << p[0] << ", "

@@ -77,10 +77,12 @@ PetscErrorCode check_rigid_body_modes(const Mesh &mesh, const HeldDofs &held) {
   const std::string whose = parts == 1 ? "the body"
                                        : std::to_string(loose_parts) + " of the mesh's " +
                                              std::to_string(parts) + " unconnected parts";
-  PetscCheck(loose_parts == 0, comm, PETSC_ERR_USER_INPUT,
-             "the constraints let %s move rigidly (%d of 6 rigid-body modes free%s); hold at least "
-             "three vertices that are not on one line, in all components",
-             whose.c_str(), free_modes, parts == 1 ? "" : " in the first");
+  PetscCheck(
+      loose_parts == 0, comm, PETSC_ERR_USER_INPUT,
+      "the constraints let %s move rigidly (%d of %d rigid-body modes free%s); hold at least "
+      "%s, in all components",
+      whose.c_str(), free_modes, mesh.dimension == 2 ? 3 : 6, parts == 1 ? "" : " in the first",
+      mesh.dimension == 2 ? "two vertices" : "three vertices that are not on one line");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

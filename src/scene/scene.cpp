@@ -7,6 +7,7 @@
 #include "mesh/check_mesh.hpp"
 #include "mesh/generate.hpp"
 #include "mesh/locality.hpp"
+#include "mesh/quadratic.hpp"
 #include "mesh/read_mesh.hpp"
 #include "petsc_compatibility.hpp"
 #include "scene/collective_error.hpp"
@@ -14,6 +15,7 @@
 #include "scene/loads.hpp"
 #include "scene/regions.hpp"
 #include "term/elastic_term.hpp"
+#include "term/element_term.hpp"
 
 namespace trefoil {
 namespace {
@@ -22,14 +24,29 @@ std::string mesh_name(const SceneOptions &options) {
   return options.mesh_file.empty() ? "generated " + options.generate : options.mesh_file;
 }
 
+/// Refines, as the distributed mesh can where its cells are linear, and adds midpoints of edges.
+void make_quadratic(const SceneOptions &options, CellList &whole) {
+  const PetscInt refine = options.mesh_file.empty() ? 0 : options.refine;
+  for (PetscInt level = 0; level < refine && whole.order == 1; ++level) {
+    if (std::pow(8., whole.dim / 3.) * static_cast<double>(whole.cells.size()) * 8 > PETSC_MAX_INT)
+      throw InputError("-mesh_refine " + std::to_string(refine) +
+                       " would make more cells than can be numbered; refine less");
+    refine_uniformly(whole);
+  }
+  promote_to_quadratic(whole);
+}
+
 /// The whole mesh, on the first rank, ready to be distributed. Throws InputError.
 CellList prepare_mesh(const SceneOptions &options, PetscInt *unused, PetscInt *dropped) {
   CellList whole = options.mesh_file.empty()
                        ? generate_mesh(options.generate, options.resolution, options.refine)
                        : read_mesh(options.mesh_file);
+  if (options.order == 1) drop_midpoints(whole);
   const Repair repair = options.repair == "drop" ? Repair::drop : Repair::none;
   *dropped = repair_rest_shape(whole, repair, mesh_name(options));
+  check_curved_cells(whole, mesh_name(options));
   *unused = drop_unused_vertices(whole);
+  if (options.order == 2) make_quadratic(options, whole);
   if (options.normalize) normalize(whole);
   order_along_curve(whole);
   return whole;
@@ -37,10 +54,13 @@ CellList prepare_mesh(const SceneOptions &options, PetscInt *unused, PetscInt *d
 
 /// Refuses what PetscInt cannot number: each refinement cuts a tetrahedron into eight.
 PetscErrorCode check_refined_size(MPI_Comm comm, const CellList &whole, PetscInt refine) {
-  PetscInt cells = whole.size();  // none but on the first rank
+  PetscInt shape[2] = {whole.size(), whole.order};  // known on the first rank
   PetscFunctionBeginUser;
-  PetscCallMPI(MPI_Bcast(&cells, 1, MPIU_INT, 0, comm));
-  const double entries = 4. * cells * std::pow(8., refine);
+  PetscCallMPI(MPI_Bcast(shape, 2, MPIU_INT, 0, comm));
+  PetscCheck(shape[1] == 1 || refine == 0, comm, PETSC_ERR_USER_INPUT,
+             "-mesh_refine works on linear cells, and the mesh's are quadratic; refine it in the "
+             "mesher, or give -order 1");
+  const double entries = 4. * shape[0] * std::pow(8., refine);
   PetscCheck(entries < PETSC_MAX_INT, comm, PETSC_ERR_USER_INPUT,
              "-mesh_refine %" PetscInt_FMT " would make more than %.1g tetrahedra; refine less",
              refine, PETSC_MAX_INT / 4.);
@@ -60,19 +80,23 @@ PetscErrorCode load_mesh(MPI_Comm comm, const SceneOptions &options, Mesh *mesh)
   }
   PetscCall(agree_on_complaint(comm, complaint));
   if (dropped) {
-    PetscCall(PetscPrintf(comm, "dropped %" PetscInt_FMT " tetrahedra without positive volume\n",
-                          dropped));
+    PetscCall(PetscPrintf(comm, "dropped %" PetscInt_FMT " %s without positive volume\n", dropped,
+                          whole.dim == 2 ? "triangles" : "tetrahedra"));
   }
   if (unused) {
-    PetscCall(
-        PetscPrintf(comm, "dropped %" PetscInt_FMT " vertices that no tetrahedron uses\n", unused));
+    PetscCall(PetscPrintf(comm, "dropped %" PetscInt_FMT " vertices that no %s uses\n", unused,
+                          whole.dim == 2 ? "triangle" : "tetrahedron"));
   }
   // A generated mesh was refined where it was generated, true to its curved boundary.
-  const PetscInt refine = options.mesh_file.empty() ? 0 : options.refine;
+  // So was one that was made quadratic.
+  const PetscInt refine = options.mesh_file.empty() || options.order == 2 ? 0 : options.refine;
   PetscCall(check_refined_size(comm, whole, refine));
   PetscCall(distribute_mesh(comm, whole, options.partitioner, refine, mesh));
-  PetscCall(PetscPrintf(comm, "mesh: %s, %" PetscInt_FMT " vertices, %" PetscInt_FMT " tetrahedra",
-                        mesh_name(options).c_str(), mesh->total_vertices, mesh->total_cells));
+  const bool quadratic = mesh->total_corners < mesh->total_vertices;
+  PetscCall(PetscPrintf(
+      comm, "mesh: %s, %" PetscInt_FMT " %s, %" PetscInt_FMT " %s%s", mesh_name(options).c_str(),
+      mesh->total_vertices, quadratic ? "nodes" : "vertices", mesh->total_cells,
+      quadratic ? "quadratic " : "", mesh->dimension == 2 ? "triangles" : "tetrahedra"));
   if (ranks > 1) {
     PetscCall(PetscPrintf(comm, " on %d ranks, edge cut %" PetscInt_FMT ", imbalance %.3f", ranks,
                           mesh->edge_cut, mesh->imbalance));
@@ -84,15 +108,21 @@ PetscErrorCode load_mesh(MPI_Comm comm, const SceneOptions &options, Mesh *mesh)
 /// The elastic term of the materials that the options name.
 std::unique_ptr<Term> make_elastic_term(const SceneOptions &options, const Mesh &mesh,
                                         const std::vector<int> &region_of_cell) {
-  if (options.regions.empty()) {
-    return std::make_unique<ElasticTerm>(mesh, make_material(options.material));
-  }
   std::vector<std::unique_ptr<MaterialModel>> materials;
   materials.push_back(make_material(options.material));
   for (const RegionOptions &region : options.regions) {
     materials.push_back(make_material(region.material));
   }
-  return std::make_unique<ElasticTerm>(mesh, MaterialRuns(std::move(materials), region_of_cell));
+  // Without regions, all cells have the first.
+  MaterialRuns runs = options.regions.empty()
+                          ? MaterialRuns(std::move(materials.front()), mesh.local_cells())
+                          : MaterialRuns(std::move(materials), region_of_cell);
+  const auto space =
+      options.filter_space == "deformation" ? FilterSpace::deformation : FilterSpace::element;
+  if (mesh.nodes_per_cell == 4 && space == FilterSpace::element) {
+    return std::make_unique<ElasticTerm>(mesh, std::move(runs));
+  }
+  return std::make_unique<ElementTerm>(mesh, std::move(runs), space);
 }
 
 /// The term of the loads, where the options name any. Collective.
@@ -133,7 +163,7 @@ PetscErrorCode build_scene(MPI_Comm comm, const SceneOptions &options, Scene *sc
   PetscCall(scene->discretization.set_up(scene->mesh, held));
   PetscCheck(scene->discretization.total_dofs() > 0, comm, PETSC_ERR_USER_INPUT,
              "the constraints hold every vertex; nothing is left to solve for");
-  if (scene->discretization.block_size() == 1) {
+  if (!scene->discretization.has_whole_blocks()) {
     PetscCall(PetscPrintf(comm,
                           "some vertices are held in single components: matrix block size "
                           "1, with which algebraic multigrid is slower\n"));

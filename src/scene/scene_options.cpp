@@ -18,12 +18,14 @@ PetscErrorCode read_constraints(MPI_Comm comm, OptionReader &reader, SceneOption
   for (const std::string &name : names) {
     PetscCheck(std::count(names.begin(), names.end(), name) == 1, comm, PETSC_ERR_USER_INPUT,
                "-constraints names '%s' twice; give each constraint its own name", name.c_str());
-    ConstraintOptions constraint{name, "", "0, 0, 0"};
+    ConstraintOptions constraint{name, "", ""};
     PetscCall(reader.text("constraint_" + name + "_where",
                           "Which vertices: an expression in x y z t xmin..zmax",
                           &constraint.where));
-    PetscCall(reader.text("constraint_" + name + "_move",
-                          "Their displacement: three expressions, or free", &constraint.move));
+    PetscCall(
+        reader.text("constraint_" + name + "_move",
+                    "Their displacement: an expression for each dimension, or free; zero without",
+                    &constraint.move));
     PetscCheck(!constraint.where.empty(), comm, PETSC_ERR_USER_INPUT,
                "constraint '%s' has no -constraint_%s_where: say which vertices it takes",
                name.c_str(), name.c_str());
@@ -110,8 +112,12 @@ PetscErrorCode check_values(MPI_Comm comm, const SceneOptions &options) {
                  : "-initial_displacement is for -initial expression");
   PetscCheck(options.initial_steps >= 0, comm, PETSC_ERR_USER_INPUT,
              "-initial_steps must not be negative");
-  PetscCheck(options.order == 1, comm, PETSC_ERR_USER_INPUT,
-             "-order is %" PetscInt_FMT "; only linear elements (1) are there yet", options.order);
+  PetscCheck(options.order >= 0 && options.order <= 2, comm, PETSC_ERR_USER_INPUT,
+             "-order is %" PetscInt_FMT
+             "; elements are linear (1), quadratic (2), or as the mesh has them (0)",
+             options.order);
+  PetscCall(
+      check_choice(comm, "snes_trefoil_space", options.filter_space, {"element", "deformation"}));
   PetscCall(check_choice(comm, "assembly", options.assembly, {"split", "plain", "hook"}));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -121,9 +127,9 @@ PetscErrorCode check_values(MPI_Comm comm, const SceneOptions &options) {
 PetscErrorCode read_scene_options(MPI_Comm comm, SceneOptions *options) {
   OptionReader reader(comm);
   PetscFunctionBeginUser;
-  PetscCall(reader.text("mesh_file", "Tetrahedra: Medit .mesh, or Gmsh .msh 2.2 or 4.1",
+  PetscCall(reader.text("mesh_file", "Tetrahedra or triangles: Medit .mesh, Gmsh .msh 2.2 or 4.1",
                         &options->mesh_file));
-  PetscCall(reader.text("mesh_generate", "A generated mesh: knot, box, cylinder or ball",
+  PetscCall(reader.text("mesh_generate", "A generated mesh: knot, box, cylinder, ball, square",
                         &options->generate));
   PetscCall(reader.integer("mesh_resolution", "Cells across a generated mesh; 0: 2-5 thousand",
                            &options->resolution));
@@ -152,7 +158,10 @@ PetscErrorCode read_scene_options(MPI_Comm comm, SceneOptions *options) {
                         "Displacement that -initial expression starts from: three expressions in "
                         "x y z xmin..zmax",
                         &options->initial_displacement));
-  PetscCall(reader.integer("order", "Polynomial order of the elements", &options->order));
+  PetscCall(reader.integer("order", "Order of the elements: 1, 2; 0: as the mesh has it",
+                           &options->order));
+  PetscCall(reader.text("snes_trefoil_space", "What is filtered: element, deformation",
+                        &options->filter_space));
   PetscCall(reader.text("assembly",
                         "split: H and N at once, in batches; plain: the same by LAPACK and "
                         "MatSetValues; hook: as a code that knows nothing of Trefoil",

@@ -15,7 +15,7 @@ namespace trefoil {
 struct ConstraintOptions {
   std::string name;
   std::string where;  ///< expression, non-zero at the vertices it takes
-  std::string move;   ///< expression with three values: displacement, or `free`
+  std::string move;   ///< expression with a value for each dimension, or `free`; empty: zero
 };
 
 /// A scene as the user describes it, see read_scene_options() for the names of the options.
@@ -32,8 +32,9 @@ struct SceneOptions {
   std::string initial = "arap";
   std::string initial_displacement;  ///< expression with three values, for initial `expression`
   PetscInt initial_steps = 20;       ///< local/global steps of arap
-  PetscInt order = 1;
-  std::string assembly = "split";  ///< or "hook": through the plugin's watch on the Mat
+  PetscInt order = 0;  ///< of the elements; 0: as the mesh has it, which generated ones have linear
+  std::string filter_space = "element";  ///< -snes_trefoil_space, which the element term reads
+  std::string assembly = "split";        ///< or "hook": through the plugin's watch on the Mat
   std::string output_file;
   std::string record_file;  ///< -snes_trefoil_record; the program completes and writes it
 };

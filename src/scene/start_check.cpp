@@ -6,19 +6,6 @@
 #include "petsc_compatibility.hpp"
 
 namespace trefoil {
-namespace {
-
-std::array<double, 3> centroid(const Mesh &mesh, std::size_t cell) {
-  std::array<double, 3> sum{};
-  for (std::size_t a = 0; a < 4; ++a) {
-    const auto vertex = static_cast<std::size_t>(mesh.cells[4 * cell + a]);
-    for (std::size_t i = 0; i < 3; ++i) sum[i] += mesh.coordinates[3 * vertex + i] / 4;
-  }
-  return sum;
-}
-
-}  // namespace
-
 PetscErrorCode check_start(const Scene &scene, double energy) {
   const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(scene.mesh.dm));
   constexpr double beyond_bodies = 1e100;  // of a determinant: numbers too large to be squared
@@ -34,7 +21,7 @@ PetscErrorCode check_start(const Scene &scene, double energy) {
   for (std::size_t c = 0; c < report.energy_density.size(); ++c) {
     if (std::isfinite(report.energy_density[c])) continue;
     const bool inverted = report.determinant[c] <= 0 && report.determinant[c] > -beyond_bodies;
-    if (counts[0] + counts[1] == 0) first = centroid(scene.mesh, c);
+    if (counts[0] + counts[1] == 0) first = centroid_of_cell(scene.mesh, c);
     ++counts[inverted ? 0 : 1];
   }
   speaker = counts[0] + counts[1] ? rank : ranks;

@@ -126,6 +126,10 @@ PetscErrorCode compute_filtered_jacobian(SNES snes, Vec x, Mat J, Mat H, void *c
              context.options.filter.c_str(), current.weight);
   if (!context.driven && context.split_jacobian) PetscCall(record_foreign_iteration(context, x));
   const bool filtered = current.weight != 0;
+  PetscCheck(!filtered || context.options.space == "element" || context.splits_deformation, comm,
+             PETSC_ERR_USER_INPUT,
+             "-snes_trefoil_space deformation filters at quadrature points, which are not to be "
+             "seen in whole element matrices; use -snes_trefoil_space element");
 
   context.clock.switch_to(Phase::assembly);
   PetscCall(PetscLogEventBegin(event_assembly, snes, x, H, nullptr));

@@ -11,10 +11,10 @@ namespace trefoil {
 namespace {
 
 // Every option of ours; what is not here is misspelt.
-constexpr std::array<const char *, 14> known_options{
-    "filter",           "rho_tolerance",   "weight",      "search",        "decrement_tolerance",
-    "energy_tolerance", "monitor",         "record",      "strict",        "fields",
-    "corrections",      "correction_gain", "trust_start", "verify_minimum"};
+constexpr std::array<const char *, 15> known_options{
+    "filter",           "rho_tolerance",   "weight",      "search",         "decrement_tolerance",
+    "energy_tolerance", "monitor",         "record",      "strict",         "fields",
+    "corrections",      "correction_gain", "trust_start", "verify_minimum", "space"};
 
 std::string join(const std::vector<std::string> &words) {
   std::ostringstream text;
@@ -56,6 +56,10 @@ PetscErrorCode check_values(const SolverOptions &options, MPI_Comm comm) {
   PetscCheck(options.search == "armijo" || options.search == "subspace", comm, PETSC_ERR_USER_INPUT,
              "there is no search '%s' (-snes_trefoil_search); the searches are: armijo, subspace",
              options.search.c_str());
+  PetscCheck(options.space == "element" || options.space == "deformation", comm,
+             PETSC_ERR_USER_INPUT,
+             "there is no space '%s' (-snes_trefoil_space); the spaces are: element, deformation",
+             options.space.c_str());
   PetscCheck(options.shrink > 0 && options.shrink < 1, comm, PETSC_ERR_USER_INPUT,
              "-snes_linesearch_shrink is %g and must lie between 0 and 1", options.shrink);
   PetscCheck(options.armijo >= 0 && options.armijo < 0.5, comm, PETSC_ERR_USER_INPUT,
@@ -83,7 +87,7 @@ PetscErrorCode check_values(const SolverOptions &options, MPI_Comm comm) {
 PetscErrorCode set_options(SolveContext &context) {
   SolverOptions &options = context.options;
   const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(context.snes));
-  std::array<char, PETSC_MAX_PATH_LEN> filter{}, search{}, file{}, fields{};
+  std::array<char, PETSC_MAX_PATH_LEN> filter{}, search{}, file{}, fields{}, space{};
   PetscBool found = PETSC_FALSE, constant_weight = PETSC_FALSE;
   PetscBool monitor = options.monitor ? PETSC_TRUE : PETSC_FALSE;
   PetscBool strict = options.strict ? PETSC_TRUE : PETSC_FALSE;
@@ -164,6 +168,12 @@ PetscErrorCode set_options(SolveContext &context) {
                                "Fields to filter, by name or number, separated by commas", "",
                                options.fields.c_str(), fields.data(), fields.size(), &found));
   if (found) options.fields = fields.data();
+  PetscCall(
+      PetscOptionsString("-snes_trefoil_space",
+                         "What is filtered: element, the element's Hessian; deformation, dP/dF "
+                         "at its quadrature points",
+                         "", options.space.c_str(), space.data(), space.size(), &found));
+  if (found) options.space = space.data();
   PetscOptionsEnd();
 
   options.strict = strict == PETSC_TRUE;

@@ -34,9 +34,10 @@ struct SolverOptions {
   bool verify_minimum = false;      ///< look for negative curvature where the stop test is met
   bool verify_minimum_set = false;  ///< by the user, so decrement_tolerance does not turn it off
   bool monitor = false;
-  std::string record_file;  ///< empty: no record
-  bool strict = true;       ///< a Jacobian that cannot be filtered is an error
-  std::string fields;       ///< names of the fields to filter; empty: all
+  std::string record_file;        ///< empty: no record
+  bool strict = true;             ///< a Jacobian that cannot be filtered is an error
+  std::string fields;             ///< names of the fields to filter; empty: all
+  std::string space = "element";  ///< or "deformation": at quadrature points
 };
 
 /// What the unfiltered Hessian says of the point where a solve ended.
@@ -69,6 +70,7 @@ struct SolveContext {
   bool negative_present = false;  ///< N is part of the present Jacobian, H + 2 w N
   TrefoilSplitJacobianFunction split_jacobian = nullptr;
   void *split_jacobian_context = nullptr;
+  bool splits_deformation = false;  ///< that callback obeys -snes_trefoil_space deformation
   // A host that knows nothing of us: its Jacobian callback, run with its Mat watched.
   PetscErrorCode (*host_jacobian)(SNES, Vec, Mat, Mat, void *) = nullptr;
   void *host_jacobian_context = nullptr;

@@ -8,6 +8,7 @@ namespace trefoil {
 
 struct Mesh;
 struct Tet4Packs;
+class PackedElements;
 
 /// Takes the dense Hessians of elements, one after the other: filters them and adds them up.
 class ElementHessianSink {
@@ -17,6 +18,11 @@ class ElementHessianSink {
   /// @param dofs their local numbers, 3 * local vertex + component
   /// @param H the symmetric n x n element Hessian
   virtual PetscErrorCode add(int n, const PetscInt *dofs, const double *H) = 0;
+  /// The same where the term has filtered the element itself.
+  /// @param N its negative part
+  /// @param negative how many eigenvalues it found negative; -1: not finite
+  virtual PetscErrorCode add_split(int n, const PetscInt *dofs, const double *H, const double *N,
+                                   int negative) = 0;
 };
 
 /// Sums over one rank's elements.
@@ -52,6 +58,8 @@ class Term {
   virtual void reduced_hessians(PetscInt first, PetscInt count, const double *u, double *K) const {
     static_cast<void>(first), static_cast<void>(count), static_cast<void>(u), static_cast<void>(K);
   }
+  /// The term's elements in packs of another kind than Tet4Packs; null where it has none.
+  [[nodiscard]] virtual const PackedElements *packed_elements() const { return nullptr; }
   /// For output: fills, for each local cell, det F and psi; left alone by terms without cells.
   virtual void describe_cells(const double *u, double *determinant, double *energy_density) const {
     static_cast<void>(u), static_cast<void>(determinant), static_cast<void>(energy_density);

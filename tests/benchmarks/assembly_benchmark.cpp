@@ -3,6 +3,10 @@
 //
 //   assembly_benchmark [resolutions of the knot = 4] [poisson ratios = 0.495] [plain | no_plain]
 //   assembly_benchmark 4,9,13 0.3,0.495,0.4999
+//   assembly_benchmark resolution nu element [element | deformation]
+//   assembly_benchmark 2 0.495 tet10 deformation
+// Elements: tri3 and tri6 on the square, tet4 and tet10 on the knot, filtered by element (default)
+// or by quadrature point.
 
 #include <petsctime.h>
 #include <unistd.h>
@@ -15,9 +19,11 @@
 #include <functional>
 #include <limits>
 #include <numeric>
+#include <string>
 
 #include "assembly/energy_functional.hpp"
 #include "element/tet4_packs.hpp"
+#include "element_benchmark.hpp"
 #include "filter/reduced_filter.hpp"
 #include "flop_count.hpp"
 #include "machine_peak.hpp"
@@ -272,6 +278,14 @@ int main(int argc, char **argv) {
     execv("/proc/self/exe", argv);
   }
   PetscCall(PetscInitialize(&argc, &argv, nullptr, nullptr));
+  const std::string element = argc > 3 ? argv[3] : "";
+  if (element.substr(0, 2) == "tr" || element.substr(0, 2) == "te") {
+    const bool points = argc > 4 && std::strcmp(argv[4], "deformation") == 0;
+    PetscCall(benchmark_element(std::atof(argv[2]), std::atoi(argv[1]), element,
+                                points ? FilterSpace::deformation : FilterSpace::element));
+    PetscCall(PetscFinalize());
+    return 0;
+  }
   PetscCall(run(argc > 1 ? argv[1] : "4", argc > 2 ? argv[2] : "0.495",
                 argc <= 3 || std::strcmp(argv[3], "no_plain") != 0));
   PetscCall(PetscFinalize());

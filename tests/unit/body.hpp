@@ -15,6 +15,7 @@
 #include "mesh/generate.hpp"
 #include "petsc_compatibility.hpp"
 #include "term/elastic_term.hpp"
+#include "term/element_term.hpp"
 
 namespace trefoil::test {
 
@@ -61,19 +62,26 @@ struct Body {
 
   /// Collective. Held components are moved as `moved` says.
   PetscErrorCode set_up(MPI_Comm comm, const CellList &whole, const Holding &holding,
-                        const Field &moved = crumpled) {
+                        const Field &moved = crumpled, FilterSpace space = FilterSpace::element) {
     PetscFunctionBeginUser;
     PetscCall(distribute_mesh(comm, whole, "metis", 0, &mesh));
-    for (PetscInt v = 0; v < mesh.local_vertices(); ++v) {
-      const double *p = &mesh.coordinates[static_cast<std::size_t>(3 * v)];
-      for (int i = 0; i < 3; ++i) {
-        held.held.push_back(holding(p, i));
-        held.value.push_back(holding(p, i) ? moved(p, i) : 0);
+    held = nothing_held(mesh);
+    for (std::size_t v = 0; v < mesh.owned.size(); ++v) {
+      const double *p = &mesh.coordinates[3 * v];
+      for (int i = 0; i < mesh.dimension; ++i) {
+        const auto dof = 3 * v + static_cast<std::size_t>(i);
+        held.held[dof] = holding(p, i);
+        held.value[dof] = holding(p, i) ? moved(p, i) : 0;
       }
     }
     PetscCall(discretization.set_up(mesh, held));
     functional = std::make_unique<EnergyFunctional>(discretization);
-    functional->add_term(std::make_unique<ElasticTerm>(mesh, make_material_model(soft_material())));
+    auto material = make_material_model(soft_material());
+    if (mesh.nodes_per_cell == 4 && space == FilterSpace::element) {
+      functional->add_term(std::make_unique<ElasticTerm>(mesh, std::move(material)));
+    } else {
+      functional->add_term(std::make_unique<ElementTerm>(mesh, std::move(material), space));
+    }
     PetscFunctionReturn(PETSC_SUCCESS);
   }
 

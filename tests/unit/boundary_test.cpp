@@ -28,7 +28,8 @@ class BoundaryTest : public testing::Test {
     return &mesh_.coordinates[static_cast<std::size_t>(3 * vertex)];
   }
   [[nodiscard]] double area(const Facet &facet) const {
-    const double *a = position(facet[0]), *b = position(facet[1]), *c = position(facet[2]);
+    const double *a = position(facet.vertices[0]), *b = position(facet.vertices[1]),
+                 *c = position(facet.vertices[2]);
     double sum = 0;
     for (int i = 0; i < 3; ++i) {
       const int j = (i + 1) % 3, k = (i + 2) % 3;
@@ -51,8 +52,9 @@ TEST_F(BoundaryTest, TheSurfaceOfACubeIsSix) {
     bool on_a_side = false;
     for (int i = 0; i < 3; ++i)
       for (const double side : {0., 1.})
-        on_a_side = on_a_side || (position(facet[0])[i] == side && position(facet[1])[i] == side &&
-                                  position(facet[2])[i] == side);
+        on_a_side = on_a_side || (position(facet.vertices[0])[i] == side &&
+                                  position(facet.vertices[1])[i] == side &&
+                                  position(facet.vertices[2])[i] == side);
     EXPECT_TRUE(on_a_side);
   }
   EXPECT_EQ(sum_over_ranks(static_cast<double>(facets.size())), 6 * 2 * 16);
@@ -63,7 +65,8 @@ TEST_F(BoundaryTest, OnlyWhatIsWanted) {
   ASSERT_EQ(distribute(generate_mesh("box", 4, 0)), PETSC_SUCCESS);
   std::vector<Facet> facets;
   const auto on_top = [&](const Facet &facet) {
-    return position(facet[0])[2] == 1 && position(facet[1])[2] == 1 && position(facet[2])[2] == 1;
+    return position(facet.vertices[0])[2] == 1 && position(facet.vertices[1])[2] == 1 &&
+           position(facet.vertices[2])[2] == 1;
   };
   ASSERT_EQ(boundary_facets(mesh_, on_top, &facets), PETSC_SUCCESS);
   EXPECT_EQ(sum_over_ranks(static_cast<double>(facets.size())), 32);

@@ -164,7 +164,8 @@ TEST(GenerateMesh, HasTheDocumentedExtent) {
 
 TEST(GenerateMesh, RefusesWhatItCannotMake) {
   EXPECT_EQ(refusal("torus", 0, 0),
-            "no mesh of kind 'torus' can be generated; choose one of box, cylinder, knot, ball");
+            "no mesh of kind 'torus' can be generated; choose one of box, cylinder, knot, ball, "
+            "square");
   EXPECT_NE(refusal("box", -1, 0).find("resolution -1"), std::string::npos);
   EXPECT_NE(refusal("box", 0, -2).find("refinements -2"), std::string::npos);
   for (const std::string &kind : kinds) {

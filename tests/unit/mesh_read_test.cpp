@@ -17,7 +17,7 @@ std::vector<std::string> sample_in_all_formats() {
 
 void expect_equal(const CellList &mesh, const CellList &expected) {
   EXPECT_EQ(mesh.dim, 3);
-  EXPECT_EQ(mesh.corners, 4);
+  EXPECT_EQ(mesh.nodes_per_cell(), 4);
   EXPECT_EQ(mesh.coordinates, expected.coordinates);
   EXPECT_EQ(mesh.cells, expected.cells);
 }
@@ -25,7 +25,7 @@ void expect_equal(const CellList &mesh, const CellList &expected) {
 // Whatever is read from damaged bytes may be wrong, but can be worked with.
 bool is_usable(const CellList &mesh) {
   return mesh.vertices() > 0 && mesh.size() > 0 && mesh.coordinates.size() % 3 == 0 &&
-         mesh.cells.size() % 4 == 0 &&
+         mesh.cells.size() % static_cast<std::size_t>(mesh.nodes_per_cell()) == 0 &&
          std::all_of(mesh.coordinates.begin(), mesh.coordinates.end(),
                      [](double coordinate) { return std::isfinite(coordinate); }) &&
          std::all_of(mesh.cells.begin(), mesh.cells.end(),
@@ -133,7 +133,7 @@ TEST(ReadMesh, RefusesWhatIsNoMeshFile) {
 
 TEST(ReadMesh, RefusesBadMedit) {
   const std::string &good = medit_sample;
-  expect_refused(replaced(good, "Dimension 3", "Dimension 2"), {"line 2", "dimension 2"});
+  expect_refused(replaced(good, "Dimension 3", "Dimension 4"), {"line 2", "dimension 4"});
   expect_refused(replaced(good, "Dimension 3", ""), {"line 3", "Dimension 3"});
   expect_refused(replaced(good, "Vertices\n5", "Vertices\n50000"), {"line 4", "50000 vertices"});
   expect_refused(replaced(good, "Vertices\n5", "Vertices\n-5"), {"line 4", "-5"});
@@ -146,7 +146,8 @@ TEST(ReadMesh, RefusesBadMedit) {
   expect_refused(replaced(good, "2 3 1 5", "2 3 1 6"), {"tetrahedron 2", "vertex 6", "to 5"});
   expect_refused(replaced(good, "2 3 1 5", "2 0 1 5"), {"tetrahedron 2", "vertex 0"});
   expect_refused(replaced(good, "2 3 1 5", "2 3.5 1 5"), {"line 16", "'3.5'"});
-  expect_refused(replaced(good, "Tetrahedra", "Tetras"), {"no Tetrahedra"});
+  expect_refused(replaced(replaced(good, "Tetrahedra", "Tetras"), "Triangles", "Tris"),
+                 {"no Tetrahedra and no Triangles"});
   expect_refused(replaced(good, "Vertices", "Points"), {"no Vertices"});
   expect_refused(replaced(good, "Triangles", "Hexahedra"), {"Hexahedra", "first-order tetrahedra"});
   expect_refused(replaced(good, "End", "Vertices 0 End"), {"second section Vertices"});
@@ -169,7 +170,7 @@ TEST(ReadMesh, RefusesBadGmsh) {
   expect_refused(replaced(ascii_2_2, "$Nodes\n5", "$Nodes\n4"), {"'5'", "$EndNodes"});
   expect_refused(replaced(ascii_2_2, "$Nodes\n5", "$Nodes\n900719925474099"), {"900719925474099"});
   expect_refused(replaced(ascii_2_2, "$Elements\n3", "$Elements\n4"), {"'$EndElements'"});
-  expect_refused(replaced(ascii_2_2, "2 4 2 7 1", "2 11 2 7 1"), {"type 11", "later version"});
+  expect_refused(replaced(ascii_2_2, "2 4 2 7 1", "2 29 2 7 1"), {"type 29", "-order 2"});
   expect_refused(replaced(ascii_2_2, "2 4 2 7 1", "2 5 2 7 1"), {"type 5", "hexahedron"});
   expect_refused(replaced(ascii_2_2, "2 4 2 7 1", "2 6 2 7 1"), {"type 6", "prism"});
   expect_refused(replaced(ascii_2_2, "2 4 2 7 1", "2 999 2 7 1"), {"type 999", "unknown"});
@@ -179,13 +180,58 @@ TEST(ReadMesh, RefusesBadGmsh) {
                  {"node 99999 twice"});
   expect_refused(replaced(ascii_4_1, "1.5", "inf"), {"node 3", "not finite"});
   expect_refused(replaced(ascii_4_1, "$Nodes\n2 5", "$Nodes\n2 6"), {"hold 5 nodes", "6"});
-  expect_refused(replaced(ascii_4_1, "3 1 4 2", "3 1 11 2"), {"type 11", "quadratic"});
+  expect_refused(replaced(ascii_4_1, "3 1 4 2", "3 1 29 2"), {"type 29", "cubic"});
   expect_refused(replaced(ascii_4_1, "$EndPhysicalNames", ""),
                  {"$EndPhysicalNames", "save the mesh again"});
   expect_refused(ascii_4_1.substr(0, ascii_4_1.find("$Elements")), {"no tetrahedra"});
   expect_refused(ascii_4_1.substr(0, ascii_4_1.find("$Nodes")), {"no $Nodes"});
   expect_refused(gmsh_2_2({two_tetrahedra().mesh, {1, 2, 3, 4, 5}}, Encoding::binary) + "rest",
                  {"'rest'"});
+}
+
+/// A triangle of order 2 beside its boundary, and a tetrahedron of order 2, as Gmsh writes them.
+TEST(ReadMesh, SecondOrderCellsOfGmsh) {
+  const std::string head = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n";
+  const CellList flat = read_contents(head +
+                                      "6\n1 0 0 0\n2 2 0 0\n3 0 2 0\n4 1 0.1 0\n5 1 1 0\n6 0 1 0\n"
+                                      "$EndNodes\n$Elements\n2\n1 8 2 0 1 1 2 4\n"
+                                      "2 9 2 0 1 1 2 3 4 5 6\n$EndElements\n");
+  EXPECT_EQ(flat.dim, 2);
+  EXPECT_EQ(flat.order, 2);
+  EXPECT_EQ(flat.size(), 1);
+  EXPECT_EQ(flat.cells, (std::vector<PetscInt>{0, 1, 2, 3, 4, 5}));
+  const CellList solid = read_contents(
+      head +
+      "10\n1 0 0 0\n2 2 0 0\n3 0 2 0\n4 0 0 2\n5 1 0 0\n6 1 1 0\n7 0 1 0\n8 0 0 1\n9 0 1 1\n"
+      "10 1 0 1\n$EndNodes\n$Elements\n1\n1 11 2 0 1 1 2 3 4 5 6 7 8 9 10\n$EndElements\n");
+  EXPECT_EQ(solid.dim, 3);
+  EXPECT_EQ(solid.order, 2);
+  // Every midpoint lies between its corners in our order, which is not Gmsh's.
+  constexpr std::size_t edges[6][2] = {{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 3}, {2, 3}};
+  for (std::size_t e = 0; e < 6; ++e)
+    for (std::size_t i = 0; i < 3; ++i) {
+      const auto at = [&](std::size_t node) {
+        return solid.coordinates[static_cast<std::size_t>(3 * solid.cells[node]) + i];
+      };
+      EXPECT_EQ(at(4 + e), 0.5 * (at(edges[e][0]) + at(edges[e][1]))) << e;
+    }
+  expect_refused(head +
+                     "6\n1 0 0 0\n2 2 0 0\n3 0 2 0\n4 1 0 0\n5 1 1 0\n6 0 1 0\n$EndNodes\n"
+                     "$Elements\n2\n1 2 2 0 1 1 2 3\n2 9 2 0 1 1 2 3 4 5 6\n$EndElements\n",
+                 {"first order", "second"});
+}
+
+TEST(ReadMesh, PlaneMeditMeshes) {
+  for (const bool has_z : {false, true}) {
+    const std::string z = has_z ? " 0" : "";
+    const CellList mesh =
+        read_contents(std::string("MeshVersionFormatted 2\nDimension ") + (has_z ? "3" : "2") +
+                      "\nVertices\n4\n0 0" + z + " 0\n1 0" + z + " 0\n1 1" + z + " 0\n0 1" + z +
+                      " 0\nEdges 1\n1 2 7\nTriangles\n2\n1 2 3 0\n1 3 4 0\nEnd\n");
+    EXPECT_EQ(mesh.dim, 2);
+    EXPECT_EQ(mesh.coordinates, (std::vector<double>{0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0}));
+    EXPECT_EQ(mesh.cells, (std::vector<PetscInt>{0, 1, 2, 0, 2, 3}));
+  }
 }
 
 }  // namespace

@@ -1,0 +1,308 @@
+#pragma once
+
+// The batched kernels of isoparametric simplices. Included only by the files that are compiled for
+// one instruction set each (element_kernels_*.cpp); everything in here depends on Pack<isa>.
+
+#include <cmath>
+
+#include "element/element_packs.hpp"
+
+namespace trefoil {
+namespace {
+
+/// Place of (r, c) in a lower triangle, whichever is larger.
+constexpr int lower(int r, int c) {
+  return r >= c ? r * (r + 1) / 2 + c : c * (c + 1) / 2 + r;
+}
+
+/// The kernels of one element, see ElementKernels.
+template <int nodes, int points, int dim, InstructionSet isa>
+struct Kernels {
+  using Real = Pack<isa>;
+  static constexpr int modes = nodes - 1;
+  static constexpr int rows = dim * modes, entries = rows * (rows + 1) / 2;
+  static constexpr int tangent_rows = dim * dim;
+  static constexpr int tangent_entries = tangent_rows * (tangent_rows + 1) / 2;
+
+  /// See ElementPacks.
+  static double first_weight() { return 1 / std::sqrt(static_cast<double>(nodes)); }
+  static double shared_weight() {
+    const double s = first_weight();
+    return s * s / (1 - s);
+  }
+
+  /// One component of all nodes to that of all modes: Q'x.
+  static void reduce(const Real (&x)[nodes], Real (&reduced)[modes]) {
+    Real sum = x[1];
+    for (int a = 2; a < nodes; ++a) sum += x[a];
+    const Real shift = first_weight() * x[0] - shared_weight() * sum;
+    for (int k = 0; k < modes; ++k) reduced[k] = x[k + 1] + shift;
+  }
+  /// And back: Q y.
+  static void expand(const Real (&reduced)[modes], Real (&x)[nodes]) {
+    Real sum = reduced[0];
+    for (int k = 1; k < modes; ++k) sum += reduced[k];
+    x[0] = first_weight() * sum;
+    const Real shift = shared_weight() * sum;
+    for (int k = 0; k < modes; ++k) x[k + 1] = reduced[k] - shift;
+  }
+
+  /// Rest shape and displacements of a pack.
+  struct Elements {
+    const double *jacobians, *reduced;
+    const PetscInt *node;
+
+    Elements(const ElementPacks &packed, PetscInt pack)
+        : jacobians(packed.jacobians.data() + points * (dim * dim + 1) * lanes * pack),
+          reduced(packed.reduced.data()),
+          node(packed.nodes.data() + nodes * lanes * pack) {}
+
+    [[nodiscard]] Real weight(int q) const {
+      return Real::load(jacobians + lanes * ((dim * dim + 1) * q + dim * dim));
+    }
+    /// G_k[i] of point q.
+    void gradients(int q, Real (&G)[modes][dim]) const {
+      Real inverse[dim * dim];
+      for (int k = 0; k < dim * dim; ++k) {
+        inverse[k] = Real::load(jacobians + lanes * ((dim * dim + 1) * q + k));
+      }
+      const double *g = reduced + modes * dim * q;
+      for (int k = 0; k < modes; ++k, g += dim) {
+        for (int i = 0; i < dim; ++i) {
+          Real sum = g[0] * inverse[i];
+          for (int j = 1; j < dim; ++j) sum += g[j] * inverse[dim * j + i];
+          G[k][i] = sum;
+        }
+      }
+    }
+    void displacements(const double *u, Real (&U)[modes][dim]) const {
+      for (int i = 0; i < dim; ++i) {
+        Real x[nodes], y[modes];
+        for (int a = 0; a < nodes; ++a) {
+          for (int lane = 0; lane < lanes; ++lane) x[a].v[lane] = u[3 * node[lanes * a + lane] + i];
+        }
+        reduce(x, y);
+        for (int k = 0; k < modes; ++k) U[k][i] = y[k];
+      }
+    }
+  };
+
+  /// F = I + sum_k U_k G_k', as PackedFunctions takes it; in the plane F_33 = 1.
+  static void deformation_gradient(const Real (&U)[modes][dim], const Real (&G)[modes][dim],
+                                   double *F) {
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < 3; ++j) {
+        Real sum = i == j ? 1.0 : 0.0;
+        if (i < dim && j < dim) {
+          for (int k = 0; k < modes; ++k) sum += U[k][i] * G[k][j];
+        }
+        sum.store(F + lanes * (3 * i + j));
+      }
+    }
+  }
+
+  static void energy(const MaterialModel &material, const ElementPacks &packed, PetscInt first,
+                     PetscInt count, const double *u, double rest_density, double *sums) {
+    Real energy, scale, U[modes][dim], G[modes][dim];
+    alignas(64) double F[9 * lanes], psi[lanes];
+    for (PetscInt pack = first; pack < first + count; ++pack) {
+      const Elements elements(packed, pack);
+      elements.displacements(u, U);
+      for (int q = 0; q < points; ++q) {
+        elements.gradients(q, G);
+        deformation_gradient(U, G, F);
+        material.energy_densities(F, psi);
+        const Real density = Real::load(psi), weight = elements.weight(q);
+        energy += density * weight;
+        scale += (density - Real(rest_density)).absolute() * weight;
+      }
+    }
+    sums[0] += energy.sum();
+    sums[1] += scale.sum();
+  }
+
+  static void forces(const MaterialModel &material, const ElementPacks &packed, PetscInt first,
+                     PetscInt count, const double *u, double *forces) {
+    Real U[modes][dim], G[modes][dim];
+    alignas(64) double F[9 * lanes], P[9 * lanes];
+    for (PetscInt pack = first; pack < first + count; ++pack) {
+      const Elements elements(packed, pack);
+      elements.displacements(u, U);
+      Real reduced[dim][modes];
+      for (int q = 0; q < points; ++q) {
+        elements.gradients(q, G);
+        deformation_gradient(U, G, F);
+        material.stresses(F, P);
+        const Real weight = elements.weight(q);
+        for (int i = 0; i < dim; ++i) {
+          Real stress[dim];
+          for (int j = 0; j < dim; ++j) stress[j] = weight * Real::load(P + lanes * (3 * i + j));
+          for (int k = 0; k < modes; ++k) {
+            for (int j = 0; j < dim; ++j) reduced[i][k] += stress[j] * G[k][j];
+          }
+        }
+      }
+      for (int i = 0; i < dim; ++i) {
+        Real force[nodes];
+        expand(reduced[i], force);
+        for (int a = 0; a < nodes; ++a) {
+          for (int lane = 0; lane < lanes; ++lane) {
+            forces[3 * elements.node[lanes * a + lane] + i] += force[a].v[lane];
+          }
+        }
+      }
+    }
+  }
+
+  static void tangents(const MaterialModel &material, const ElementPacks &packed, PetscInt first,
+                       PetscInt count, const double *u, double *A) {
+    Real U[modes][dim], G[modes][dim];
+    alignas(64) double F[9 * lanes], full[81 * lanes];
+    for (PetscInt pack = first; pack < first + count; ++pack) {
+      const Elements elements(packed, pack);
+      elements.displacements(u, U);
+      for (int q = 0; q < points; ++q) {
+        elements.gradients(q, G);
+        deformation_gradient(U, G, F);
+        material.tangents(F, full);
+        for (int r = 0; r < tangent_rows; ++r) {
+          for (int c = 0; c <= r; ++c, A += lanes) {
+            const int row = 3 * (r / dim) + r % dim, column = 3 * (c / dim) + c % dim;
+            Real::load(full + lanes * (9 * row + column)).store(A);
+          }
+        }
+      }
+    }
+  }
+
+  /// Column (l, m) of the contraction at point q: C_ij = w sum_n A_ij,mn G_l[n].
+  static void contract_column(const double *A, const Real &weight, const Real (&G)[dim], int m,
+                              Real (&C)[tangent_rows]) {
+    for (int p = 0; p < tangent_rows; ++p) {
+      Real sum;
+      for (int n = 0; n < dim; ++n) sum += Real::load(A + lanes * lower(p, dim * m + n)) * G[n];
+      C[p] = weight * sum;
+    }
+  }
+
+  static void contract(const ElementPacks &packed, PetscInt first, PetscInt count, const double *A,
+                       double *K) {
+    Real G[points][modes][dim];
+    for (PetscInt pack = first; pack < first + count;
+         ++pack, A += points * tangent_entries * lanes, K += entries * lanes) {
+      const Elements elements(packed, pack);
+      for (int q = 0; q < points; ++q) elements.gradients(q, G[q]);
+      for (int l = 0; l < modes; ++l) {
+        for (int m = 0; m < dim; ++m) {
+          Real C[points][tangent_rows];
+          for (int q = 0; q < points; ++q) {
+            contract_column(A + q * tangent_entries * lanes, elements.weight(q), G[q][l], m, C[q]);
+          }
+          const int column = dim * l + m;
+          for (int k = l; k < modes; ++k) {
+            for (int i = k == l ? m : 0; i < dim; ++i) {
+              Real sum;
+              for (int q = 0; q < points; ++q) {
+                for (int j = 0; j < dim; ++j) sum += G[q][k][j] * C[q][dim * i + j];
+              }
+              sum.store(K + lanes * lower(dim * k + i, column));
+            }
+          }
+        }
+      }
+    }
+  }
+
+  static void hessians(const MaterialModel &material, const ElementPacks &packed, PetscInt first,
+                       PetscInt count, const double *u, double *K) {
+    alignas(64) double A[points * tangent_entries * lanes];
+    for (PetscInt pack = first; pack < first + count; ++pack, K += entries * lanes) {
+      tangents(material, packed, pack, 1, u, A);
+      contract(packed, pack, 1, A, K);
+    }
+  }
+
+  /// H_ab = sum_kl Q[a][k] Q[b][l] K_kl: block (a, b), entry (i, m) at (nodes a + b) dim^2 + dim i
+  /// + m.
+  static void expand_blocks(const double *K, double *blocks) {
+    for (int i = 0; i < dim; ++i) {
+      for (int m = 0; m < dim; ++m) {
+        Real half[nodes][modes];
+        for (int l = 0; l < modes; ++l) {
+          Real column[modes], x[nodes];
+          for (int k = 0; k < modes; ++k) {
+            column[k] = Real::load(K + lanes * lower(dim * k + i, dim * l + m));
+          }
+          expand(column, x);
+          for (int a = 0; a < nodes; ++a) half[a][l] = x[a];
+        }
+        for (int a = 0; a < nodes; ++a) {
+          Real row[nodes];
+          expand(half[a], row);
+          for (int b = 0; b < nodes; ++b) {
+            row[b].store(blocks + lanes * ((nodes * a + b) * dim * dim + dim * i + m));
+          }
+        }
+      }
+    }
+  }
+
+  static void add_blocks(const ElementPacks &packed, PetscInt first, PetscInt count,
+                         const double *K, const int *chosen, const ElementPlaces &places,
+                         double *const arrays[3]) {
+    alignas(64) double blocks[nodes * nodes * dim * dim * lanes];
+    const std::int32_t *strides = places.stride.data(), *numbers = places.numbers.data();
+    for (PetscInt pack = 0; pack < count; ++pack) {
+      const int *wanted = chosen ? chosen + lanes * pack : nullptr;
+      bool any = !wanted;
+      for (int lane = 0; wanted && lane < lanes; ++lane) any = any || wanted[lane] > 0;
+      if (!any) continue;
+      expand_blocks(K + entries * lanes * pack, blocks);
+      const PetscInt begin = lanes * (first + pack);
+      for (int lane = 0; lane < lanes && begin + lane < packed.elements; ++lane) {
+        if (wanted && wanted[lane] <= 0) continue;
+        const std::ptrdiff_t cell = begin + lane;
+        const std::int32_t *code = places.code.data() + nodes * nodes * cell;
+        const PetscInt *node = packed.nodes.data() + nodes * lanes * (first + pack) + lane;
+        const double *from = blocks + lane;
+        for (int a = 0; a < nodes; ++a) {
+          const std::int32_t *stride = strides + 4 * node[lanes * a];
+          for (int b = 0; b < nodes; ++b, ++code, from += dim * dim * lanes) {
+            if (*code == ElementPlaces::nowhere) continue;
+            if ((*code & 3) == ElementPlaces::in_parts) {
+              add_in_parts(numbers + (*code >> 2), from, arrays);
+              continue;
+            }
+            double *to = arrays[*code & 3] + (*code >> 2);
+            const std::int32_t step = stride[*code & 3];
+            for (int i = 0; i < dim; ++i, to += step) {
+              for (int m = 0; m < dim; ++m) to[m] += from[lanes * (dim * i + m)];
+            }
+          }
+        }
+      }
+    }
+  }
+
+  static void add_in_parts(const std::int32_t *number, const double *from,
+                           double *const arrays[3]) {
+    for (int k = 0; k < dim * dim; ++k) {
+      if (number[k] == ElementPlaces::nowhere) continue;
+      arrays[number[k] & 3][number[k] >> 2] += from[lanes * k];
+    }
+  }
+
+  static ElementKernels all() { return {energy, forces, hessians, tangents, contract, add_blocks}; }
+};
+
+}  // namespace
+
+template <InstructionSet isa>
+ElementKernels make_element_kernels(int dimension, int nodes) {
+  if (dimension == 2) {
+    return nodes == 3 ? Kernels<3, 1, 2, isa>::all() : Kernels<6, 3, 2, isa>::all();
+  }
+  return nodes == 4 ? Kernels<4, 1, 3, isa>::all() : Kernels<10, 4, 3, isa>::all();
+}
+
+}  // namespace trefoil

@@ -1,0 +1,8 @@
+// Compiled for one instruction set, see CMakeLists.txt.
+#include "element/element_kernels.hpp"
+
+namespace trefoil {
+
+template ElementKernels make_element_kernels<InstructionSet::avx2>(int dimension, int nodes);
+
+}  // namespace trefoil

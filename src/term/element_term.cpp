@@ -1,0 +1,206 @@
+#include "term/element_term.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "element/isoparametric_element.hpp"
+#include "filter/packed_filter.hpp"
+#include "material/spreading.hpp"
+#include "petsc_compatibility.hpp"
+
+namespace trefoil {
+namespace {
+
+/// The part of dP_ij/dF_kl with all indices below dim, dim^2 x dim^2.
+void in_plane_part(int dim, const Tangent<double> &A, double *part) {
+  const int rows = dim * dim;
+  for (int p = 0; p < rows; ++p) {
+    for (int q = 0; q < rows; ++q) {
+      const int row = 3 * (p / dim) + p % dim, column = 3 * (q / dim) + q % dim;
+      part[rows * p + q] = A[static_cast<std::size_t>(9 * row + column)];
+    }
+  }
+}
+
+/// And back, zero elsewhere.
+Tangent<double> from_in_plane_part(int dim, const double *part) {
+  Tangent<double> A{};
+  const int rows = dim * dim;
+  for (int p = 0; p < rows; ++p) {
+    for (int q = 0; q < rows; ++q) {
+      const int row = 3 * (p / dim) + p % dim, column = 3 * (q / dim) + q % dim;
+      A[static_cast<std::size_t>(9 * row + column)] = part[rows * p + q];
+    }
+  }
+  return A;
+}
+
+}  // namespace
+
+ElementTerm::ElementTerm(const Mesh &mesh, std::shared_ptr<const ElementPacks> packs,
+                         MaterialRuns materials, FilterSpace space)
+    : mesh_(mesh),
+      materials_(std::move(materials)),
+      space_(space),
+      packs_(std::move(packs)),
+      kernels_(element_kernels(*packs_->reference)) {
+  for (PetscInt c = 0; c < packs_->elements; ++c) {
+    stiffness_ += materials_.stiffness_of(c) * volume(c);
+  }
+  for (const auto &run : materials_.runs()) {
+    for (PetscInt c = lanes * run.first; run.is_mixed && c < lanes * (run.first + 1); ++c) {
+      if (c < packs_->elements) mixed_rest_energy_ += materials_.rest_density_of(c) * volume(c);
+    }
+  }
+}
+
+double ElementTerm::volume(PetscInt cell) const {
+  const int dim = packs_->reference->dimension, points = packs_->reference->points;
+  const int numbers = dim * dim + 1;
+  double sum = 0;
+  for (int q = 0; q < points; ++q) {
+    const PetscInt weight = (points * (cell / lanes) + q) * numbers + dim * dim;
+    sum += packs_->jacobians[static_cast<std::size_t>(weight * lanes + cell % lanes)];
+  }
+  return sum;
+}
+
+void ElementTerm::add_energy(const double *u, EnergySums *sums) const {
+  double energies[2] = {mixed_rest_energy_, 0};
+  materials_.for_each_run(0, packs_->packs(), [&](const MaterialRuns::Run &run) {
+    kernels_.energy(*run.material, *packs_, run.first, run.count, u, run.rest_density, energies);
+  });
+  sums->energy += energies[0];
+  sums->scale += energies[1];
+  sums->stiffness += stiffness_;
+}
+
+void ElementTerm::add_gradient(const double *u, double *gradient) const {
+  materials_.for_each_run(0, packs_->packs(), [&](const MaterialRuns::Run &run) {
+    kernels_.forces(*run.material, *packs_, run.first, run.count, u, gradient);
+  });
+}
+
+void ElementTerm::hessians(PetscInt first, PetscInt count, const double *u, double *K) const {
+  materials_.for_each_run(first, count, [&](const MaterialRuns::Run &run) {
+    kernels_.hessians(*run.material, *packs_, run.first, run.count, u,
+                      K + packs_->entries() * lanes * (run.first - first));
+  });
+}
+
+SplitResult ElementTerm::split(PetscInt first, PetscInt count, const double *u, const double *K,
+                               double *N, int *negative) const {
+  const auto packs = static_cast<int>(count);
+  if (space_ == FilterSpace::element) return split_packed(rows(), packs, K, N, negative);
+
+  const int dim = packs_->reference->dimension, points = packs_->reference->points;
+  static thread_local std::vector<double> tangents, negative_parts;
+  static thread_local std::vector<int> counts;
+  const std::size_t matrices = static_cast<std::size_t>(packs * points) * lanes;
+  tangents.resize(matrices * static_cast<std::size_t>(packs_->tangent_entries()));
+  negative_parts.resize(tangents.size());
+  counts.resize(matrices);
+  materials_.for_each_run(first, count, [&](const MaterialRuns::Run &run) {
+    kernels_.tangents(
+        *run.material, *packs_, run.first, run.count, u,
+        tangents.data() + packs_->tangent_entries() * points * lanes * (run.first - first));
+  });
+  SplitResult result = split_packed(dim * dim, packs * points, tangents.data(),
+                                    negative_parts.data(), counts.data());
+  kernels_.contract(*packs_, first, count, negative_parts.data(), N);
+  // Counts of points are summed to counts of elements; -1 at a point, not finite, is one of all.
+  result.indefinite = 0;
+  for (int e = 0; e < packs * lanes; ++e) {
+    const int *count_at = &counts[static_cast<std::size_t>(e / lanes * points * lanes + e % lanes)];
+    negative[e] = 0;
+    for (int q = 0; q < points; ++q) {
+      const int found = count_at[q * lanes];
+      negative[e] = found < 0 || negative[e] < 0 ? -1 : negative[e] + found;
+    }
+    result.indefinite += negative[e] > 0;
+  }
+  if (result.first_bad >= 0) result.first_bad = result.first_bad / (points * lanes) * lanes;
+  return result;
+}
+
+void ElementTerm::add_blocks(PetscInt first, PetscInt count, const double *K, const int *chosen,
+                             const ElementPlaces &places, double *const arrays[3]) const {
+  kernels_.add_blocks(*packs_, first, count, K, chosen, places, arrays);
+}
+
+/// One element at a time: the plain path, for output and for what has no batched kernel.
+template <class Visit>
+void ElementTerm::for_each_element(const double *u, Visit visit) const {
+  const int nodes = packs_->reference->nodes;
+  double positions[3 * ReferenceElement::most_nodes],
+      displacements[3 * ReferenceElement::most_nodes];
+  for (PetscInt cell = 0; cell < packs_->elements; ++cell) {
+    const PetscInt *node = &mesh_.cells[static_cast<std::size_t>(nodes * cell)];
+    for (int a = 0; a < nodes; ++a) {
+      std::copy_n(&mesh_.coordinates[static_cast<std::size_t>(3 * node[a])], 3, positions + 3 * a);
+      std::copy_n(u + 3 * node[a], 3, displacements + 3 * a);
+    }
+    visit(cell, node, IsoparametricElement(*packs_->reference, positions), displacements);
+  }
+}
+
+std::unique_ptr<Term> ElementTerm::spreading(Spreading kind) const {
+  const auto make = [kind](double stiffness) {
+    return kind == Spreading::harmonic ? make_material_model(HarmonicSpreading(stiffness))
+                                       : make_material_model(RigidSpreading(stiffness));
+  };
+  return std::make_unique<ElementTerm>(mesh_, packs_, materials_.by_stiffness(make),
+                                       FilterSpace::element);
+}
+
+PetscErrorCode ElementTerm::add_hessian(const double *u, ElementHessianSink &sink) const {
+  const int dim = packs_->reference->dimension, points = packs_->reference->points;
+  const int n = dim * packs_->reference->nodes, tangent_rows = dim * dim;
+  std::vector<double> H(static_cast<std::size_t>(n * n)), N(H.size());
+  std::vector<PetscInt> dofs(static_cast<std::size_t>(n));
+  PetscErrorCode error = PETSC_SUCCESS;
+  PetscFunctionBeginUser;
+  for_each_element(u, [&](PetscInt cell, const PetscInt *node, const IsoparametricElement &element,
+                          const double *displacements) {
+    if (error) return;
+    int negative = 0;
+    std::fill(H.begin(), H.end(), 0);
+    std::fill(N.begin(), N.end(), 0);
+    for (int q = 0; q < points; ++q) {
+      Tangent<double> A;
+      materials_.of_cell(cell).tangent(element.deformation_gradient(q, displacements), A);
+      element.add_hessian(q, A, H.data());
+      if (space_ == FilterSpace::element) continue;
+      double part[81], negative_part[81];
+      int found = 0;
+      in_plane_part(dim, A, part);
+      static_cast<void>(trefoil::split(tangent_rows, 1, part, negative_part, &found));
+      element.add_hessian(q, from_in_plane_part(dim, negative_part), N.data());
+      negative = found < 0 || negative < 0 ? -1 : negative + found;
+    }
+    for (int k = 0; k < n; ++k) dofs[static_cast<std::size_t>(k)] = 3 * node[k / dim] + k % dim;
+    error = space_ == FilterSpace::element
+                ? sink.add(n, dofs.data(), H.data())
+                : sink.add_split(n, dofs.data(), H.data(), N.data(), negative);
+  });
+  PetscCall(error);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void ElementTerm::describe_cells(const double *u, double *determinant,
+                                 double *energy_density) const {
+  for_each_element(u, [&](PetscInt cell, const PetscInt *, const IsoparametricElement &element,
+                          const double *displacements) {
+    double energy = 0, volume = 0;
+    for (int q = 0; q < packs_->reference->points; ++q) {
+      const Matrix3<double> F = element.deformation_gradient(q, displacements);
+      const double J = trefoil::determinant(F);
+      determinant[cell] = q == 0 || !(J >= determinant[cell]) ? J : determinant[cell];
+      energy += element.weight(q) * materials_.of_cell(cell).energy_density(F);
+      volume += element.weight(q);
+    }
+    energy_density[cell] = energy / volume;
+  });
+}
+
+}  // namespace trefoil

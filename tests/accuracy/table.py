@@ -1,0 +1,96 @@
+#!/usr/bin/python3
+"""Error against unknowns, time and memory of linear and quadratic elements at nu = .3, .495, .4999:
+runs build/tests/accuracy/table_case, prints a Markdown table and draws it. Run by hand; times are of
+this machine: compare rows of one run.
+
+    tests/accuracy/table.py [--plane] [-o errors.png] [--csv errors.csv]
+"""
+import argparse
+import csv
+import os
+import subprocess
+import sys
+
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+PROGRAM = os.path.join(ROOT, "build", "tests", "accuracy", "table_case")
+COLUMNS = ("element", "nu", "resolution", "unknowns", "L2", "H1", "iterations", "seconds", "MB")
+SPACE = {"tet4": (4, 8, 12, 16, 24), "tet10": (2, 4, 6, 8, 12)}
+PLANE = {"tri3": (16, 32, 64, 128, 256), "tri6": (4, 8, 16, 32, 64, 128)}
+POISSONS = ("0.3", "0.495", "0.4999")
+
+
+def rows_of(elements):
+    for nu in POISSONS:
+        for element, resolutions in elements.items():
+            for resolution in resolutions:
+                environment = dict(os.environ, OPENBLAS_NUM_THREADS="1", OMP_NUM_THREADS="1")
+                text = subprocess.run([PROGRAM, element, nu, str(resolution)], env=environment,
+                                      stdout=subprocess.PIPE, text=True, check=True).stdout
+                row = dict(zip(COLUMNS, text.strip().split(",")))
+                print("| " + " | ".join(row[name] for name in COLUMNS) + " |", flush=True)
+                yield row
+
+
+def best_trade(rows, elements):
+    """How long the quadratic element takes for the error of the finest linear mesh."""
+    linear, quadratic = elements
+    for nu in POISSONS:
+        of = {name: [row for row in rows if row["element"] == name and row["nu"] == nu]
+              for name in (linear, quadratic)}
+        finest = min(of[linear], key=lambda row: float(row["L2"]))
+        as_good = [row for row in of[quadratic] if float(row["L2"]) <= float(finest["L2"])]
+        if not as_good:
+            print(f"nu {nu}: no {quadratic} mesh reaches the L2 error {finest['L2']}")
+            continue
+        first = min(as_good, key=lambda row: float(row["seconds"]))
+        share = float(first["seconds"]) / float(finest["seconds"])
+        print(f"nu {nu}: {linear} at resolution {finest['resolution']} has L2 {finest['L2']} in "
+              f"{finest['seconds']} s; {quadratic} at {first['resolution']} has {first['L2']} in "
+              f"{first['seconds']} s, {share:.3f} of the time")
+
+
+def draw(rows, elements, path):
+    try:
+        import matplotlib
+        matplotlib.use("Agg")
+        import matplotlib.pyplot as plt
+    except ImportError:
+        sys.exit("table.py: apt install python3-matplotlib, then use /usr/bin/python3")
+    figure, panels = plt.subplots(1, 3, figsize=(12, 4), sharey=True, constrained_layout=True)
+    for panel, (quantity, label) in zip(panels, (("unknowns", "unknowns"), ("seconds", "time, s"),
+                                                 ("MB", "memory, MB"))):
+        for nu, colour in zip(POISSONS, ("tab:blue", "tab:orange", "tab:red")):
+            for element, style in zip(elements, ("o--", "s-")):
+                chosen = [row for row in rows if row["element"] == element and row["nu"] == nu]
+                panel.loglog([float(row[quantity]) for row in chosen],
+                             [float(row["L2"]) for row in chosen], style, color=colour,
+                             label=f"{element}, nu {nu}", markersize=4)
+        panel.set_xlabel(label)
+        panel.grid(True, which="both", alpha=0.25)
+    panels[0].set_ylabel("relative error of the displacement, L2")
+    panels[0].legend(fontsize=8)
+    figure.savefig(path, dpi=150)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--plane", action="store_true", help="triangles instead of tetrahedra")
+    parser.add_argument("-o", "--output", help="picture, for example errors.png")
+    parser.add_argument("--csv", help="the rows as comma-separated values")
+    arguments = parser.parse_args()
+    elements = PLANE if arguments.plane else SPACE
+    print("| " + " | ".join(COLUMNS) + " |\n" + "|---" * len(COLUMNS) + "|")
+    rows = list(rows_of(elements))
+    print()
+    best_trade(rows, tuple(elements))
+    if arguments.csv:
+        with open(arguments.csv, "w", encoding="ascii", newline="") as file:
+            writer = csv.DictWriter(file, COLUMNS)
+            writer.writeheader()
+            writer.writerows(rows)
+    if arguments.output:
+        draw(rows, tuple(elements), arguments.output)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,155 @@
+// Midpoints, uniform refinement, plane meshes and what is wrong with bent cells.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+
+#include "element/isoparametric_element.hpp"
+#include "mesh/check_mesh.hpp"
+#include "mesh/generate.hpp"
+#include "mesh/locality.hpp"
+#include "mesh/quadratic.hpp"
+
+namespace trefoil {
+namespace {
+
+struct Sizes {
+  double volume = 0, least_jacobian = 1e300;
+};
+
+Sizes measure(const CellList &mesh) {
+  Sizes sizes;
+  const ReferenceElement &reference = reference_element(mesh.dim, mesh.nodes_per_cell());
+  const auto width = static_cast<std::size_t>(mesh.nodes_per_cell());
+  for (std::size_t c = 0; c < mesh.cells.size(); c += width) {
+    std::vector<double> position;
+    for (std::size_t a = 0; a < width; ++a) {
+      const double *p = &mesh.coordinates[static_cast<std::size_t>(3 * mesh.cells[c + a])];
+      position.insert(position.end(), p, p + 3);
+    }
+    const IsoparametricElement element(reference, position.data());
+    for (int q = 0; q < reference.points; ++q) sizes.volume += element.weight(q);
+    sizes.least_jacobian = std::min(sizes.least_jacobian, element.least_jacobian());
+  }
+  return sizes;
+}
+
+class QuadraticMeshTest : public testing::TestWithParam<const char *> {
+ protected:
+  const CellList linear_ = generate_mesh(GetParam(), 3, 0);
+};
+
+TEST_P(QuadraticMeshTest, MidpointsAreSharedAndInTheMiddle) {
+  CellList mesh = linear_;
+  promote_to_quadratic(mesh);
+  EXPECT_EQ(mesh.order, 2);
+  EXPECT_EQ(mesh.size(), linear_.size());
+  std::set<std::pair<PetscInt, PetscInt>> edges;
+  const auto corners = static_cast<std::size_t>(linear_.corners());
+  for (std::size_t c = 0; c < linear_.cells.size(); c += corners)
+    for (std::size_t a = 0; a < corners; ++a)
+      for (std::size_t b = 0; b < a; ++b)
+        edges.insert(std::minmax(linear_.cells[c + a], linear_.cells[c + b]));
+  EXPECT_EQ(mesh.vertices(), linear_.vertices() + static_cast<PetscInt>(edges.size()));
+  const Sizes before = measure(linear_), after = measure(mesh);
+  EXPECT_NEAR(after.volume / before.volume, 1, 1e-13);
+  EXPECT_NEAR(after.least_jacobian / before.least_jacobian, 1, 1e-12);  // straight: constant
+  drop_midpoints(mesh);
+  drop_unused_vertices(mesh);
+  EXPECT_EQ(mesh.cells, linear_.cells);
+  EXPECT_EQ(mesh.coordinates, linear_.coordinates);
+}
+
+TEST_P(QuadraticMeshTest, RefinementKeepsTheVolumeAndHalvesTheEdges) {
+  CellList mesh = linear_;
+  refine_uniformly(mesh);
+  EXPECT_EQ(mesh.order, 1);
+  EXPECT_EQ(mesh.size(), (mesh.dim == 2 ? 4 : 8) * linear_.size());
+  EXPECT_EQ(check_rest_shape(mesh).bad(), 0);
+  EXPECT_NEAR(measure(mesh).volume / measure(linear_).volume, 1, 1e-13);
+  // Conforming: every face inside belongs to two cells, so that a second refinement shares
+  // midpoints.
+  CellList promoted = linear_;
+  promote_to_quadratic(promoted);
+  EXPECT_EQ(mesh.vertices(), promoted.vertices());
+}
+
+TEST_P(QuadraticMeshTest, OrderAlongTheCurveIsTheSameMesh) {
+  CellList mesh = linear_;
+  promote_to_quadratic(mesh);
+  const Sizes before = measure(mesh);
+  order_along_curve(mesh);
+  const Sizes after = measure(mesh);
+  EXPECT_NEAR(after.volume / before.volume, 1, 1e-13);
+  EXPECT_EQ(after.least_jacobian, before.least_jacobian);
+}
+
+TEST_P(QuadraticMeshTest, CellsThatAreBentTooFarAreNamed) {
+  CellList mesh = linear_;
+  promote_to_quadratic(mesh);
+  check_curved_cells(mesh, "the mesh");
+  const auto width = static_cast<std::size_t>(mesh.nodes_per_cell());
+  const auto corners = static_cast<std::size_t>(mesh.corners());
+  // The first midpoint of the sixth cell goes to the opposite corner and beyond.
+  const PetscInt midpoint = mesh.cells[5 * width + corners], corner = mesh.cells[5 * width + 2];
+  for (std::size_t i = 0; i < 3; ++i) {
+    double &x = mesh.coordinates[static_cast<std::size_t>(3 * midpoint) + i];
+    x += 1.5 * (mesh.coordinates[static_cast<std::size_t>(3 * corner) + i] - x);
+  }
+  try {
+    check_curved_cells(mesh, "the mesh");
+    FAIL() << "accepted";
+  } catch (const InputError &error) {
+    const std::string sentence = error.what();
+    EXPECT_NE(sentence.find("the mesh: "), std::string::npos) << sentence;
+    EXPECT_NE(sentence.find(mesh.dim == 2 ? "triangle " : "tetrahedron "), std::string::npos);
+    EXPECT_NE(sentence.find("Jacobian"), std::string::npos) << sentence;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Meshes, QuadraticMeshTest, testing::Values("square", "box", "ball"),
+                         [](const auto &each) { return std::string(each.param); });
+
+TEST(PlaneMesh, TrianglesAreTurnedAnticlockwise) {
+  CellList mesh = generate_mesh("square", 2, 0);
+  std::swap(mesh.cells[1], mesh.cells[2]);
+  EXPECT_EQ(check_rest_shape(mesh).negative, 1);
+  EXPECT_EQ(repair_rest_shape(mesh, Repair::none, "square"), 0);
+  EXPECT_EQ(check_rest_shape(mesh).bad(), 0);
+  promote_to_quadratic(mesh);
+  std::swap(mesh.cells[1], mesh.cells[2]);
+  std::swap(mesh.cells[3], mesh.cells[5]);
+  EXPECT_EQ(repair_rest_shape(mesh, Repair::none, "square"), 0);
+  EXPECT_NEAR(measure(mesh).volume, 1, 1e-14);
+}
+
+TEST(PlaneMesh, SurfacesInSpaceAreRefused) {
+  CellList mesh = generate_mesh("square", 2, 0);
+  mesh.coordinates[5] = 0.1;
+  try {
+    repair_rest_shape(mesh, Repair::none, "shell");
+    FAIL() << "accepted";
+  } catch (const InputError &error) {
+    EXPECT_NE(std::string(error.what()).find("plane z = 0"), std::string::npos) << error.what();
+  }
+}
+
+TEST(PlaneMesh, FlatTrianglesAreDropped) {
+  CellList mesh = generate_mesh("square", 2, 0);
+  mesh.cells.insert(mesh.cells.end(), {0, 1, 2});
+  EXPECT_EQ(check_rest_shape(mesh).degenerate, 1);
+  EXPECT_EQ(repair_rest_shape(mesh, Repair::drop, "square"), 1);
+  EXPECT_EQ(mesh.size(), 8);
+}
+
+TEST(PlaneMesh, SquareOfTheProjectedNewtonText) {
+  const CellList mesh = generate_mesh("square", 100, 0);
+  EXPECT_EQ(mesh.vertices(), 10201);
+  EXPECT_EQ(mesh.size(), 20000);
+  EXPECT_EQ(check_rest_shape(mesh).bad(), 0);
+  EXPECT_NEAR(measure(mesh).volume, 1, 1e-12);
+}
+
+}  // namespace
+}  // namespace trefoil
