@@ -28,9 +28,9 @@ bool energy_test_is_on(const SolveContext &context) {
 }
 
 /// Whether rounding keeps the decrement up: what it promises is lost in the energy's last digits,
-/// and it is no smaller than it was five iterations ago.
+/// and it is no smaller than it was ten iterations ago.
 bool decrement_is_rounding(const SolveContext &context) {
-  constexpr std::size_t window = 5;
+  constexpr std::size_t window = 10;
   const auto &history = context.history;
   const double noise = 8 * PETSC_MACHINE_EPSILON * std::abs(context.current.energy);
   if (history.size() < window || !(context.current.decrement < noise)) return false;
