@@ -91,7 +91,7 @@ PetscErrorCode EnergyFunctional::gradient(Vec x, Vec g) const {
 
 /// Whether the batched path serves: of all terms only the first has a Hessian, and that has packs.
 bool EnergyFunctional::is_batched() const {
-  return assembly_ == Assembly::split && !terms_.empty() &&
+  return assembly_ == Assembly::split && floor_.share == 0 && !terms_.empty() &&
          (terms_.front()->packs() || terms_.front()->packed_elements()) &&
          std::none_of(terms_.begin() + 1, terms_.end(),
                       [](const auto &term) { return term->has_hessian(); });
@@ -116,6 +116,7 @@ PetscErrorCode EnergyFunctional::assemble(const PetscScalar *u, Mat H, Mat N, bo
   }
   HessianAssembler assembler(discretization_, H, N, statistics);
   assembler.set_filtering(filtering);
+  assembler.set_floor(floor_);
   for (Mat matrix : {H, N}) {
     if (matrix) PetscCall(MatZeroEntries(matrix));
   }
@@ -227,9 +228,12 @@ PetscErrorCode residual(SNES, Vec x, Vec g, void *ctx) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode split_hessian(SNES, Vec x, Mat H, Mat *negative, TrefoilSplitStatistics *statistics,
-                             void *ctx) {
+PetscErrorCode split_hessian(SNES snes, Vec x, Mat H, Mat *negative,
+                             TrefoilSplitStatistics *statistics, void *ctx) {
+  SolveContext *context = nullptr;
   PetscFunctionBeginUser;
+  PetscCall(get_solve_context(snes, &context));
+  static_cast<EnergyFunctional *>(ctx)->set_floor(eigenvalue_floor(*context));
   PetscCall(static_cast<EnergyFunctional *>(ctx)->hessian(x, H, negative, statistics));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -270,6 +274,7 @@ PetscErrorCode EnergyFunctional::attach(SNES snes, Mat H, Assembly assembly) {
     PetscCall(TrefoilSNESSetSplitJacobian(snes, H, split_hessian, this));
     // Linear tetrahedra in packs of their own are filtered whole; other terms as they were told.
     PetscCall(get_solve_context(snes, &context));
+    context->obeys_floor = true;
     context->splits_deformation =
         std::none_of(terms_.begin(), terms_.end(), [](const auto &term) { return term->packs(); });
   } else {

@@ -52,6 +52,9 @@ class EnergyFunctional {
     plain,  ///< the same, one element at a time by LAPACK and MatSetValues: the slow reference
     hook    ///< from the plugin's watch on the Mat, as in a code that knows nothing of it
   };
+  /// A floor under the filtered eigenvalues; elements then go one by one, as with Assembly::plain.
+  void set_floor(const EigenvalueFloor &floor) { floor_ = floor; }
+
   /// Finds the places of the elements in matrices like H, once, before the first Hessian; done
   /// there if not here. Collective.
   PetscErrorCode prepare(Mat H);
@@ -69,6 +72,7 @@ class EnergyFunctional {
   const Discretization &discretization_;
   std::vector<std::unique_ptr<Term>> terms_;
   Assembly assembly_ = Assembly::split;
+  EigenvalueFloor floor_;
   /// Set up with the first matrix.
   std::shared_ptr<BatchedHessian> batched_ = std::make_shared<BatchedHessian>();
 };

@@ -44,8 +44,8 @@ PetscErrorCode HessianAssembler::flush() {
     negative_counts_.resize(static_cast<std::size_t>(batch_));
     PetscCall(PetscLogEventBegin(event_filter, nullptr, nullptr, nullptr, nullptr));
     PetscCall(PetscTime(&begin));
-    const SplitResult result =
-        split(n_, batch_, hessians_.data(), negatives_.data(), negative_counts_.data());
+    const SplitResult result = split_with_floor(n_, batch_, hessians_.data(), negatives_.data(),
+                                                negative_counts_.data(), floor_);
     PetscCall(PetscTime(&end));
     PetscCall(PetscLogEventEnd(event_filter, nullptr, nullptr, nullptr, nullptr));
     PetscCheck(result.status == SplitStatus::ok || result.status == SplitStatus::not_finite,

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "assembly/discretization.hpp"
+#include "filter/filter.hpp"
 #include "term/term.hpp"
 #include "trefoil.h"
 
@@ -28,6 +29,8 @@ class HessianAssembler final : public ElementHessianSink {
   void keep_counts(std::vector<double> *counts) { counts_ = counts; }
   /// With false, H is inserted as it is and nothing is filtered.
   void set_filtering(bool filtering) { filtering_ = filtering; }
+  /// Keeps the filtered eigenvalues of the elements above a floor.
+  void set_floor(const EigenvalueFloor &floor) { floor_ = floor; }
 
  private:
   static constexpr int batch_size = 64;
@@ -37,6 +40,7 @@ class HessianAssembler final : public ElementHessianSink {
   Mat H_, negative_;
   TrefoilSplitStatistics &statistics_;
   bool filtering_ = true;
+  EigenvalueFloor floor_;
   std::vector<double> *counts_ = nullptr;
   int n_ = 0, batch_ = 0;
   std::vector<PetscInt> global_;

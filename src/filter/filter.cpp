@@ -151,8 +151,28 @@ void sum_of_negative_eigenpairs(int n, int count, const double *eigenvalues,
   }
 }
 
+/// Replaces eigenvalues by minus what N has to add of them under a floor, 0 where nothing.
+/// @return how many change; *end the number of the last of them, plus one
+int lift(int n, const EigenvalueFloor &floor, double *eigenvalues, int *end) {
+  const double largest = std::max(std::abs(eigenvalues[0]), std::abs(eigenvalues[n - 1]));
+  const double least = floor.share * largest, noise = n * eps * largest;
+  int changed = *end = 0;
+  for (int k = 0; k < n; ++k) {
+    double &lambda = eigenvalues[k];
+    const double filtered = lambda < 0 ? -(2 * floor.weight - 1) * lambda : lambda;
+    const bool zero = std::abs(lambda) <= noise;
+    const double added = zero ? 0 : std::max(filtered, least) - lambda;
+    lambda = -added / (2 * floor.weight);
+    if (!(added > 0)) continue;
+    ++changed;
+    *end = k + 1;
+  }
+  return changed;
+}
+
 /// split() of one matrix; N is left alone unless the status is ok.
-SplitStatus split_one(int n, const double *H, double *N, int &negative, Workspace &workspace) {
+SplitStatus split_one(int n, const double *H, double *N, int &negative,
+                      const EigenvalueFloor &floor, Workspace &workspace) {
   negative = 0;
   const double largest = largest_entry(n, H);
   if (std::isinf(largest)) return SplitStatus::not_finite;
@@ -162,11 +182,16 @@ SplitStatus split_one(int n, const double *H, double *N, int &negative, Workspac
   double *eigenvalues = workspace.eigenvalues.data();
   scaled_symmetric_part(n, H, exponent, A);
 
-  if (!is_proven_semidefinite(n, A, workspace.factor.data())) {
+  int end = 0;
+  if (floor.share > 0 || !is_proven_semidefinite(n, A, workspace.factor.data())) {
     if (!eigenpairs(n, A, eigenvalues, workspace.lapack)) return SplitStatus::no_convergence;
-    negative = count_negative(n, eigenvalues);
+    if (floor.share > 0) {
+      negative = lift(n, floor, eigenvalues, &end);
+    } else {
+      negative = end = count_negative(n, eigenvalues);
+    }
   }
-  sum_of_negative_eigenpairs(n, negative, eigenvalues, A, exponent, N);
+  sum_of_negative_eigenpairs(n, end, eigenvalues, A, exponent, N);
   return SplitStatus::ok;
 }
 
@@ -177,6 +202,11 @@ bool is_size(int n) {
 }  // namespace
 
 SplitResult split(int n, int batch, const double *H, double *N, int *negative) noexcept {
+  return split_with_floor(n, batch, H, N, negative, {});
+}
+
+SplitResult split_with_floor(int n, int batch, const double *H, double *N, int *negative,
+                             const EigenvalueFloor &floor) noexcept {
   SplitResult result;
   if (!is_size(n) || batch < 0) {
     result.status = SplitStatus::bad_size;
@@ -191,7 +221,7 @@ SplitResult split(int n, int batch, const double *H, double *N, int *negative) n
   for (int b = 0; b < batch; ++b) {
     double *N_b = N + b * entries;
     int negative_b = 0;
-    const SplitStatus status = split_one(n, H + b * entries, N_b, negative_b, workspace);
+    const SplitStatus status = split_one(n, H + b * entries, N_b, negative_b, floor, workspace);
     if (status != SplitStatus::ok) {
       std::fill(N_b, N_b + entries, std::numeric_limits<double>::quiet_NaN());
       negative_b = -1;

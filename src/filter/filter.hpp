@@ -53,6 +53,21 @@ struct SplitResult {
 [[nodiscard]] SplitResult split(int n, int batch, const double *H, double *N,
                                 int *negative) noexcept;
 
+/// A floor under the eigenvalues of filtered matrices.
+struct EigenvalueFloor {
+  double share = 0;   ///< of the matrix's largest |lambda|; 0: no floor
+  double weight = 1;  ///< w > 0 of the H + 2 w N that is to keep to it
+};
+
+/// split() with N such that the eigenvalues of H + 2 w N are max(|lambda|', share max|lambda|),
+/// with |lambda|' what the weight alone makes of them: (2 w - 1) |lambda| of a negative one, lambda
+/// of a positive one. w = 1/2 is clamping to an epsilon, w = 1 the filter of Paternain, Mokhtari
+/// and Ribeiro 2019, "A Newton-based method for nonconvex optimization with fast evasion of saddle
+/// points". Eigenvalues that are zero to rounding are left so: they are rigid motions. `negative`
+/// and the result count the eigenvalues and matrices that change.
+[[nodiscard]] SplitResult split_with_floor(int n, int batch, const double *H, double *N,
+                                           int *negative, const EigenvalueFloor &floor) noexcept;
+
 /// Whether the symmetric part of one n x n matrix is proven to have no eigenvalue below
 /// -split_accuracy(n) ||H||. Much cheaper than its eigenvalues.
 ///

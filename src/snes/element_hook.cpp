@@ -133,9 +133,9 @@ PetscErrorCode ElementHook::split_all(PetscInt n, const PetscInt *index,
   PetscLogDouble begin = 0, end = 0;
   SplitResult result;
   PetscCall(PetscTime(&begin));
-  if (!is_positive_semidefinite(static_cast<int>(n), values)) {
+  if (floor_.share > 0 || !is_positive_semidefinite(static_cast<int>(n), values)) {
     N_.resize(static_cast<std::size_t>(n * n));
-    result = split(static_cast<int>(n), 1, values, N_.data(), &negative);
+    result = split_with_floor(static_cast<int>(n), 1, values, N_.data(), &negative, floor_);
   }
   PetscCall(PetscTime(&end));
   filter_seconds_ += end - begin;

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "filter/filter.hpp"
+
 namespace trefoil {
 
 /// What went into a hooked Mat during one Jacobian callback. Counts of this rank, then of all.
@@ -39,6 +41,8 @@ class ElementHook {
   /// Begins to collect; `negative` (may be null: then N_e is stashed) is zeroed.
   /// @param in_field marks the unknowns to filter, by global number; null: all
   PetscErrorCode begin(Mat negative, const std::vector<char> *in_field);
+  /// Keeps the filtered eigenvalues of blocks above a floor, until told otherwise.
+  void set_floor(const EigenvalueFloor &floor) { floor_ = floor; }
   /// Ends it. If any rank has met an indefinite element, *negative is N, made when needed and
   /// assembled, with the rows zeroed that the host has zeroed meanwhile, and with the nonzero
   /// pattern of `matrix`. Collective.
@@ -86,6 +90,7 @@ class ElementHook {
   const std::vector<char> *in_field_ = nullptr;
   PetscObjectId duplicate_ = 0;  ///< the N that was duplicated, and both patterns at that time
   PetscObjectState pattern_of_matrix_ = 0, pattern_of_negative_ = 0;
+  EigenvalueFloor floor_;
   InsertionCounts counts_;
   double filter_seconds_ = 0;
   std::vector<PetscInt> stashed_sizes_, stashed_indices_;

@@ -174,6 +174,7 @@ PetscErrorCode watch_host_jacobian(SolveContext &context, Vec x, Mat J, Mat H, b
   }
   PetscCall(refuse_matrix_free(context, J, H));
   PetscCall(watch_matrix(context, x, H, &hook));
+  hook->set_floor(eigenvalue_floor(context));
   PetscCall(hook->begin(context.negative, context.in_field.empty() ? nullptr : &context.in_field));
   PetscCall(context.host_jacobian(context.snes, x, J, H, context.host_jacobian_context));
   hook = ElementHook::find(H);

@@ -131,6 +131,13 @@ PetscErrorCode compute_filtered_jacobian(SNES snes, Vec x, Mat J, Mat H, void *c
              "-snes_trefoil_space deformation filters at quadrature points, which are not to be "
              "seen in whole element matrices; use -snes_trefoil_space element");
 
+  PetscCheck(
+      !filtered || eigenvalue_floor(context).share == 0 ||
+          (context.options.space == "element" && (!context.split_jacobian || context.obeys_floor)),
+      comm, PETSC_ERR_USER_INPUT,
+      "-snes_trefoil_floor is for whole element matrices that Trefoil splits; leave it out "
+      "with -snes_trefoil_space deformation and with split callbacks of your own");
+
   context.clock.switch_to(Phase::assembly);
   PetscCall(PetscLogEventBegin(event_assembly, snes, x, H, nullptr));
   if (context.split_jacobian) {

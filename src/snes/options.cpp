@@ -11,10 +11,10 @@ namespace trefoil {
 namespace {
 
 // Every option of ours; what is not here is misspelt.
-constexpr std::array<const char *, 15> known_options{
-    "filter",           "rho_tolerance",   "weight",      "search",         "decrement_tolerance",
-    "energy_tolerance", "monitor",         "record",      "strict",         "fields",
-    "corrections",      "correction_gain", "trust_start", "verify_minimum", "space"};
+constexpr std::array<const char *, 16> known_options{
+    "filter",      "rho_tolerance",  "weight", "search", "decrement_tolerance", "energy_tolerance",
+    "monitor",     "record",         "strict", "fields", "corrections",         "correction_gain",
+    "trust_start", "verify_minimum", "space",  "floor"};
 
 std::string join(const std::vector<std::string> &words) {
   std::ostringstream text;
@@ -74,6 +74,9 @@ PetscErrorCode check_values(const SolverOptions &options, MPI_Comm comm) {
       "-snes_trefoil_corrections (%d) must be at least -1 and -snes_trefoil_correction_gain (%g) "
       "not negative",
       options.corrections, options.correction_gain);
+  PetscCheck(options.floor < 1, comm, PETSC_ERR_USER_INPUT,
+             "-snes_trefoil_floor is %g, a share of the largest eigenvalue that must be below 1",
+             options.floor);
   PetscCheck(options.decrement_tolerance >= 0 && options.energy_tolerance >= 0, comm,
              PETSC_ERR_USER_INPUT,
              "the tolerances -snes_trefoil_decrement_tolerance (%g) and "
@@ -93,7 +96,7 @@ PetscErrorCode set_options(SolveContext &context) {
   PetscBool strict = options.strict ? PETSC_TRUE : PETSC_FALSE;
   PetscReal rho_tolerance = options.rule.rho_tolerance, weight = options.rule.weight;
   PetscReal decrement = options.decrement_tolerance, energy = options.energy_tolerance;
-  PetscReal gain = options.correction_gain;
+  PetscReal gain = options.correction_gain, floor = options.floor;
   PetscInt corrections = options.corrections;
   PetscBool verify_minimum = options.verify_minimum ? PETSC_TRUE : PETSC_FALSE;
   PetscBool trust_start = options.trust_start ? PETSC_TRUE : PETSC_FALSE;
@@ -127,6 +130,10 @@ PetscErrorCode set_options(SolveContext &context) {
                             "subspace: most further directions an iteration, by the same linear "
                             "solver; -1: 8 where it is direct, else 0",
                             "", corrections, &corrections, nullptr));
+  PetscCall(PetscOptionsReal("-snes_trefoil_floor",
+                             "Least eigenvalue of a filtered element, as a share of its largest; "
+                             "0 none; negative: the filter's own (tikhonov 1e-3, others none)",
+                             "", floor, &floor, nullptr));
   PetscCall(PetscOptionsReal("-snes_trefoil_correction_gain",
                              "subspace: least share of the first step's decrease to go on", "",
                              gain, &gain, nullptr));
@@ -184,6 +191,7 @@ PetscErrorCode set_options(SolveContext &context) {
   options.armijo = armijo;
   options.corrections = static_cast<int>(corrections);
   options.correction_gain = gain;
+  options.floor = floor;
   options.trust_start = trust_start == PETSC_TRUE;
   options.verify_minimum = verify_minimum == PETSC_TRUE;
   options.monitor = monitor == PETSC_TRUE;

@@ -19,6 +19,7 @@ const Registry own_rules{
     {"blend", make_blend_rule},
     {"three_state", make_three_state_rule},
     {"multiplicative", make_multiplicative_rule},
+    {"tikhonov", make_tikhonov_rule},
 };
 
 Registry &registry() {

@@ -25,6 +25,8 @@ class Rule {
   virtual double first() = 0;
   /// The weight of the iteration after `last`, whose step has been taken.
   virtual double next(const IterationRecord &last) = 0;
+  /// The floor under filtered eigenvalues, as a share of the element's largest; 0: none.
+  [[nodiscard]] virtual double floor() const { return 0; }
   /// Whether it chooses weights with which the Jacobian may be indefinite, and knows what then.
   [[nodiscard]] virtual bool may_be_rejected() const { return false; }
   /// The weight to try instead of that of the iteration under way, whose Jacobian turned out to be
@@ -55,5 +57,6 @@ std::unique_ptr<Rule> make_on_demand_rule(const RuleParameters &parameters);
 std::unique_ptr<Rule> make_blend_rule(const RuleParameters &parameters);
 std::unique_ptr<Rule> make_three_state_rule(const RuleParameters &parameters);
 std::unique_ptr<Rule> make_multiplicative_rule(const RuleParameters &parameters);
+std::unique_ptr<Rule> make_tikhonov_rule(const RuleParameters &parameters);
 
 }  // namespace trefoil

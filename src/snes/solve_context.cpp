@@ -53,6 +53,11 @@ PetscErrorCode get_solve_context(SNES snes, SolveContext **context) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+EigenvalueFloor eigenvalue_floor(const SolveContext &context) {
+  const double own = context.options.floor;
+  return {own >= 0 ? own : context.rule->floor(), context.current.weight};
+}
+
 PetscErrorCode begin_solve(SolveContext &context) {
   PetscFunctionBeginUser;
   if (context.running) PetscFunctionReturn(PETSC_SUCCESS);

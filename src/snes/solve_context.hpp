@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "filter/filter.hpp"
 #include "snes/element_hook.hpp"
 #include "snes/iteration_record.hpp"
 #include "snes/log_events.hpp"
@@ -25,6 +26,7 @@ struct SolverOptions {
   /// direct, none where it is iterative and each costs nearly as much as the first.
   int corrections = -1;
   double correction_gain = 0.03;   ///< least share of the first step's decrease to go on correcting
+  double floor = -1;               ///< share of an element's largest |eigenvalue|; < 0: the rule's
   bool trust_start = false;        ///< the start has no crushed elements
   double decrement_tolerance = 0;  ///< energy units; 0: off
   double energy_tolerance = 1e-8;  ///< predicted decrease over energy scale; 0: off
@@ -70,6 +72,7 @@ struct SolveContext {
   bool negative_present = false;  ///< N is part of the present Jacobian, H + 2 w N
   TrefoilSplitJacobianFunction split_jacobian = nullptr;
   void *split_jacobian_context = nullptr;
+  bool obeys_floor = false;         ///< that callback obeys -snes_trefoil_floor
   bool splits_deformation = false;  ///< that callback obeys -snes_trefoil_space deformation
   // A host that knows nothing of us: its Jacobian callback, run with its Mat watched.
   PetscErrorCode (*host_jacobian)(SNES, Vec, Mat, Mat, void *) = nullptr;
@@ -110,6 +113,10 @@ struct SolveContext {
 
 /// The context of `snes`, made when first asked for.
 PetscErrorCode get_solve_context(SNES snes, SolveContext **context);
+
+/// The floor under filtered eigenvalues with the weight of the iteration under way: the user's,
+/// else the rule's.
+EigenvalueFloor eigenvalue_floor(const SolveContext &context);
 
 /// Begins a solve unless one is running: forgets the last one and starts the clock.
 PetscErrorCode begin_solve(SolveContext &context);

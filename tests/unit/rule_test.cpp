@@ -75,7 +75,7 @@ TEST(RuleRegistryTest, KnowsTheRulesOfTheContractOnce) {
   const std::set<std::string> names(listed.begin(), listed.end());
   EXPECT_EQ(names.size(), listed.size());
   for (const char *name : {"newton", "clamp", "absolute", "adaptive", "constant", "on_demand",
-                           "blend", "three_state", "multiplicative"})
+                           "blend", "three_state", "multiplicative", "tikhonov"})
     EXPECT_EQ(names.count(name), 1u) << name;
 }
 
@@ -179,6 +179,17 @@ TEST(OnDemandRuleTest, TriesNewtonAndThenClamps) {
   const auto rule = make_rule("on_demand", {});
   EXPECT_EQ(weights_of_a_solve(*rule, {1, 0.2, not_a_number}), std::vector<double>(4, 0.0));
   EXPECT_EQ(rule->rejected(refused_with(0)), clamp);
+}
+
+TEST(TikhonovRuleTest, IsAbsoluteWithAFloor) {
+  const auto rule = make_rule("tikhonov", {});
+  EXPECT_EQ(weights_of_a_solve(*rule, all_ratios),
+            std::vector<double>(all_ratios.size() + 1, absolute));
+  EXPECT_GT(rule->floor(), 0);
+  for (const std::string &name : rule_names()) {
+    if (name == "tikhonov") continue;
+    EXPECT_EQ(make_rule(name, {})->floor(), 0) << name;
+  }
 }
 
 TEST(BlendRuleTest, GoesFromClampToAbsolute) {
