@@ -131,17 +131,22 @@ void packed_reduced_hessians(const MaterialModel &material, const Tet4Packs &tet
     const PackedTets<isa> tet(tets, pack, u);
     alignas(64) double tangent[81 * lanes];  // dP_ij/dF_mn at (9 (3 i + j) + 3 m + n)
     material.tangents(tet.F, tangent);
+    Real weighted[9];  // V G_k
+    for (int r = 0; r < 9; ++r) weighted[r] = tet.volume * tet.gradients[r];
     double *entry = K + reduced_entries * lanes * (pack - first);
+#pragma GCC unroll 3
     for (int k = 0; k < 3; ++k) {
+#pragma GCC unroll 3
       for (int i = 0; i < 3; ++i) {
         Real row[9];  // V sum_j G_k[j] dP_ij/dF
+#pragma GCC unroll 9
         for (int q = 0; q < 9; ++q) {
-          Real sum;
-          for (int j = 0; j < 3; ++j) {
-            sum += tet.gradients[3 * k + j] * Real::load(tangent + lanes * (9 * (3 * i + j) + q));
-          }
-          row[q] = tet.volume * sum;
+          const double *column = tangent + lanes * (27 * i + q);
+          row[q] = weighted[3 * k] * Real::load(column) +
+                   weighted[3 * k + 1] * Real::load(column + 9 * lanes) +
+                   weighted[3 * k + 2] * Real::load(column + 18 * lanes);
         }
+#pragma GCC unroll 9
         for (int column = 0; column <= 3 * k + i; ++column) {
           const int l = column / 3, m = column % 3;
           const Real value = row[3 * m] * tet.gradients[3 * l] +
