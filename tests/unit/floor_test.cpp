@@ -58,7 +58,9 @@ class FloorTest : public testing::TestWithParam<Wanted> {};
 
 TEST_P(FloorTest, MovesEachEigenvalueWhereItIsSaid) {
   const auto [weight, share] = GetParam();
-  const std::vector<double> eigenvalues{-3, -1e-4, -0.7, 0, 0, 0, 1e-4, 0.5, 2, 4};
+  // The gap to the zero eigenvalues, 0.03, enters the error: eigenvectors are known to eps 4 /
+  // 0.03.
+  const std::vector<double> eigenvalues{-3, -0.03, -0.7, 0, 0, 0, 0.03, 0.5, 2, 4};
   for (unsigned seed = 0; seed < 20; ++seed) {
     const Known known(eigenvalues, seed);
     std::vector<double> N(known.H.size());
@@ -74,7 +76,7 @@ TEST_P(FloorTest, MovesEachEigenvalueWhereItIsSaid) {
     }
     const std::vector<double> expected = known.with(filtered);
     for (std::size_t i = 0; i < N.size(); ++i) {
-      EXPECT_NEAR(known.H[i] + 2 * weight * N[i], expected[i], 1e-12 * 4) << i;
+      EXPECT_NEAR(known.H[i] + 2 * weight * N[i], expected[i], 1e-13 * 4) << i;
     }
     EXPECT_EQ(changed, expected_changes);
     EXPECT_EQ(result.indefinite, 1);
