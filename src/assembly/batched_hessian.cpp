@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "assembly/element_places.hpp"
 #include "filter/reduced_filter.hpp"
 #include "petsc_compatibility.hpp"
 #include "snes/log_events.hpp"
@@ -57,7 +58,27 @@ PetscErrorCode filter(Workspace &work, PetscInt packs, TrefoilSplitStatistics *s
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// The same loop for elements of any kind.
+/// Adds up H (may be null) and N (may be null) of linear tetrahedra.
+PetscErrorCode assemble_tets(const Term &term, const double *u, const BlockSums &sums,
+                             double *const *H, double *const *N, bool filtering,
+                             TrefoilSplitStatistics *statistics) {
+  static const AddBlocks add_blocks = add_blocks_kernel();
+  static thread_local Workspace work;
+  const Tet4Packs &tets = *term.packs();
+  PetscFunctionBeginUser;
+  for (PetscInt first = 0; first < tets.packs(); first += chunk) {
+    const PetscInt count = std::min(chunk, tets.packs() - first);
+    term.reduced_hessians(first, count, u, work.K.data());
+    if (H) add_blocks(sums, first, count, work.K.data(), nullptr, H);
+    if (!filtering) continue;
+    PetscCall(filter(work, count, statistics));
+    if (N) add_blocks(sums, first, count, work.N.data(), work.negative.data(), N);
+  }
+  statistics->elements += tets.elements;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// The same for elements of any kind.
 /// @param places where blocks go; null: nothing is added
 /// @param counts negative eigenvalues of the elements, appended; may be null
 PetscErrorCode assemble_packed(const PackedElements &elements, const double *u,
@@ -99,49 +120,38 @@ PetscErrorCode assemble_packed(const PackedElements &elements, const double *u,
 
 }  // namespace
 
-PetscErrorCode BatchedHessian::assemble(const Term &term, const double *u, Mat H, Mat N,
-                                        bool filtering, TrefoilSplitStatistics *statistics) const {
-  static const AddBlocks add_blocks = add_blocks_kernel();
-  static thread_local Workspace work;
-  DirectAssembly::Target H_target, N_target;
+PetscErrorCode BatchedHessian::set_up(const Discretization &discretization, const Term &term,
+                                      Mat H) {
+  const auto place = [&](PetscInt row, PetscInt column, BlockPlace *result) {
+    return blocks_.place(row, column, &sums_.numbers, result);
+  };
   PetscFunctionBeginUser;
-  if (const PackedElements *elements = term.packed_elements()) {
-    PetscCall(assemble_elements(*elements, u, H, N, filtering, statistics));
-    PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(blocks_.begin_placing(discretization, H));
+  if (term.packed_elements()) {
+    PetscCall(make_element_places(discretization.mesh(), blocks_, &places_));
+  } else {
+    PetscCall(make_block_sums(*term.packs(), place, &sums_));
   }
-  if (H) PetscCall(direct_.begin(H, &H_target));
-  if (N) PetscCall(direct_.begin(N, &N_target));
-  const Tet4Packs &tets = *term.packs();
-  for (PetscInt first = 0; first < tets.packs(); first += chunk) {
-    const PetscInt count = std::min(chunk, tets.packs() - first);
-    term.reduced_hessians(first, count, u, work.K.data());
-    if (H) {
-      add_blocks(direct_.sums(), first, count, work.K.data(), nullptr, H_target.arrays);
-    }
-    if (!filtering) continue;
-    PetscCall(filter(work, count, statistics));
-    if (N) {
-      add_blocks(direct_.sums(), first, count, work.N.data(), work.negative.data(),
-                 N_target.arrays);
-    }
-  }
-  statistics->elements += tets.elements;
-  if (H) PetscCall(direct_.end(&H_target));
-  if (N) PetscCall(direct_.end(&N_target));
+  PetscCall(blocks_.end_placing());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode BatchedHessian::assemble_elements(const PackedElements &elements, const double *u,
-                                                 Mat H, Mat N, bool filtering,
-                                                 TrefoilSplitStatistics *statistics) const {
-  ElementAssembly::Target H_target, N_target;
+PetscErrorCode BatchedHessian::assemble(const Term &term, const double *u, Mat H, Mat N,
+                                        bool filtering, TrefoilSplitStatistics *statistics) const {
+  MatrixBlocks::Target H_target, N_target;
   PetscFunctionBeginUser;
-  if (H) PetscCall(elements_.begin(H, &H_target));
-  if (N) PetscCall(elements_.begin(N, &N_target));
-  PetscCall(assemble_packed(elements, u, &elements_.places(), H ? H_target.arrays : nullptr,
-                            N ? N_target.arrays : nullptr, filtering, statistics, nullptr));
-  if (H) PetscCall(elements_.end(&H_target));
-  if (N) PetscCall(elements_.end(&N_target));
+  if (H) PetscCall(blocks_.begin(H, &H_target));
+  if (N) PetscCall(blocks_.begin(N, &N_target));
+  double *const *H_arrays = H ? H_target.arrays : nullptr;
+  double *const *N_arrays = N ? N_target.arrays : nullptr;
+  if (const PackedElements *elements = term.packed_elements()) {
+    PetscCall(assemble_packed(*elements, u, &places_, H_arrays, N_arrays, filtering, statistics,
+                              nullptr));
+  } else {
+    PetscCall(assemble_tets(term, u, sums_, H_arrays, N_arrays, filtering, statistics));
+  }
+  if (H) PetscCall(blocks_.end(&H_target));
+  if (N) PetscCall(blocks_.end(&N_target));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "assembly/direct_assembly.hpp"
-#include "assembly/element_assembly.hpp"
+#include "assembly/matrix_blocks.hpp"
+#include "element/element_packs.hpp"
 #include "term/term.hpp"
 #include "trefoil.h"
 
@@ -13,12 +13,14 @@ namespace trefoil {
 class BatchedHessian {
  public:
   /// Prepares for matrices with the pattern of H. Collective.
-  PetscErrorCode set_up(const Discretization &discretization, const Term &term, Mat H) {
-    if (term.packed_elements()) return elements_.set_up(discretization, H);
-    return direct_.set_up(discretization, *term.packs(), H);
-  }
-  [[nodiscard]] bool ready() const { return direct_.ready() || elements_.ready(); }
-  [[nodiscard]] double bytes() const { return direct_.bytes() + elements_.bytes(); }
+  PetscErrorCode set_up(const Discretization &discretization, const Term &term, Mat H);
+  [[nodiscard]] bool ready() const { return blocks_.ready(); }
+  [[nodiscard]] double bytes() const { return blocks_.bytes() + sums_.bytes() + places_.bytes(); }
+
+  /// Where it adds; for those who add in another way and compare.
+  [[nodiscard]] const MatrixBlocks &blocks() const { return blocks_; }
+  [[nodiscard]] const BlockSums &sums() const { return sums_; }
+  [[nodiscard]] const ElementPlaces &places() const { return places_; }
 
   /// Sets H (may be null: left alone) and N (may be null: not wanted) at the local displacements u.
   /// @param filtering false: H only, nothing is split
@@ -32,11 +34,9 @@ class BatchedHessian {
                                        std::vector<double> *counts);
 
  private:
-  PetscErrorCode assemble_elements(const PackedElements &elements, const double *u, Mat H, Mat N,
-                                   bool filtering, TrefoilSplitStatistics *statistics) const;
-
-  DirectAssembly direct_;     ///< of Tet4Packs
-  ElementAssembly elements_;  ///< of PackedElements
+  MatrixBlocks blocks_;
+  BlockSums sums_;        ///< of Tet4Packs
+  ElementPlaces places_;  ///< of PackedElements
 };
 
 }  // namespace trefoil

@@ -10,11 +10,11 @@
 
 namespace trefoil {
 
-/// Where a 3 x 3 block of a matrix lies, in one of up to four arrays: three runs of three numbers,
+/// Where a dim x dim block of a matrix lies, in one of up to three arrays: dim runs of dim numbers,
 /// `stride` apart.
 struct BlockPlace {
   std::int32_t code = -1;   ///< array in the two lowest bits, the rest is the first number's place
-  std::int32_t stride = 3;  ///< 0: a place for each number, at 9 (code >> 2) of BlockSums::numbers
+  std::int32_t stride = 3;  ///< 0: each number has a code of its own, from code >> 2 on
   [[nodiscard]] bool exists() const { return code >= 0; }
 };
 
@@ -37,7 +37,7 @@ struct BlockSums {
   std::vector<std::uint16_t> blocks;
   std::vector<std::size_t> first_pair, first_block;  ///< of each stretch, and one more
 
-  /// Codes of single numbers as BlockPlace has them, row by row; -1: the number does not exist.
+  /// Codes of the numbers of blocks without a stride, row by row; -1: the number does not exist.
   std::vector<std::int32_t> numbers;
 
   [[nodiscard]] double bytes() const;
@@ -58,7 +58,7 @@ PetscErrorCode make_block_sums(const Tet4Packs &tets, const PlaceOfBlock &place,
 /// @param chosen elements to add, by lane of the packs: those where it is positive; null: all
 /// @param arrays what BlockPlace chooses from
 using AddBlocks = void (*)(const BlockSums &sums, PetscInt first, PetscInt count, const double *K,
-                           const int *chosen, double *const arrays[4]);
+                           const int *chosen, double *const arrays[3]);
 AddBlocks add_blocks_kernel(InstructionSet instructions = chosen_instruction_set());
 template <InstructionSet isa>
 AddBlocks make_add_blocks();
@@ -66,7 +66,7 @@ AddBlocks make_add_blocks();
 /// Adds one block, given row by row, or its transpose.
 template <InstructionSet isa>
 void add_block(const BlockSums &sums, const BlockPlace &place, bool transposed, const double *block,
-               double *const arrays[4]) {
+               double *const arrays[3]) {
   const int across = transposed ? 3 : 1, down = transposed ? 1 : 3;
   if (place.stride > 0) {
     double *to = arrays[place.code & 3] + (place.code >> 2);
@@ -76,8 +76,7 @@ void add_block(const BlockSums &sums, const BlockPlace &place, bool transposed, 
       to[2] += block[2 * across];
     }
   } else {
-    const std::int32_t *code =
-        sums.numbers.data() + 9 * static_cast<std::ptrdiff_t>(place.code >> 2);
+    const std::int32_t *code = sums.numbers.data() + (place.code >> 2);
     for (int k = 0; k < 9; ++k) {
       if (code[k] >= 0)
         arrays[code[k] & 3][code[k] >> 2] += block[down * (k / 3) + across * (k % 3)];

@@ -162,7 +162,7 @@ void choose(const double *K, const int *chosen, double *result) {
 /// Sums on the way while the places of one are fetched from memory.
 constexpr std::ptrdiff_t ahead = 8;
 
-void prefetch(const BlockPlace &place, double *const arrays[4]) {
+void prefetch(const BlockPlace &place, double *const arrays[3]) {
   if (!place.exists()) return;
   const double *to = arrays[place.code & 3] + (place.code >> 2);
   for (int i = 0; i < 3; ++i) __builtin_prefetch(to + i * place.stride, 1);
@@ -170,7 +170,7 @@ void prefetch(const BlockPlace &place, double *const arrays[4]) {
 
 template <InstructionSet isa>
 void add_stretch(const BlockSums &sums, std::size_t number, const StretchBlocks &blocks,
-                 double *const arrays[4]) {
+                 double *const arrays[3]) {
   using R = Register<isa>;
   constexpr int parts = 8 / width<isa>;
   const std::uint16_t *source = sums.blocks.data() + sums.first_block[number];
@@ -198,7 +198,7 @@ void add_stretch(const BlockSums &sums, std::size_t number, const StretchBlocks 
 
 template <InstructionSet isa>
 void add_packed_blocks(const BlockSums &sums, PetscInt first, PetscInt count, const double *K,
-                       const int *chosen, double *const arrays[4]) {
+                       const int *chosen, double *const arrays[3]) {
   StretchBlocks blocks;
   for (PetscInt begin = 0; begin < count; begin += BlockSums::stretch) {
     const PetscInt left = count - begin;

@@ -60,20 +60,9 @@ struct ElementPlaces {
   std::vector<std::int32_t> stride;
   std::vector<std::int32_t> numbers;
 
-  /// Adds a block, whose numbers lie `apart`, in row order.
-  void add(std::int32_t block, std::int32_t step, std::size_t dim, const double *from,
-           std::ptrdiff_t apart, double *const arrays[3]) const {
-    if ((block & 3) != in_parts) {
-      double *to = arrays[block & 3] + (block >> 2);
-      for (std::size_t i = 0; i < dim; ++i, to += step) {
-        for (std::size_t k = 0; k < dim; ++k, from += apart) to[k] += *from;
-      }
-      return;
-    }
-    const std::int32_t *number = numbers.data() + (block >> 2);
-    for (std::size_t k = 0; k < dim * dim; ++k, from += apart) {
-      if (number[k] != nowhere) arrays[number[k] & 3][number[k] >> 2] += *from;
-    }
+  [[nodiscard]] double bytes() const {
+    return static_cast<double>((code.capacity() + stride.capacity() + numbers.capacity()) *
+                               sizeof(std::int32_t));
   }
 };
 

@@ -104,28 +104,28 @@ struct Parts {
 };
 
 PetscErrorCode measure_parts(const ElasticTerm &term, const std::vector<double> &u,
-                             const DirectAssembly &direct, Mat H_matrix, Mat N_matrix,
+                             const BatchedHessian &batched, Mat H_matrix, Mat N_matrix,
                              Parts *parts) {
   constexpr PetscInt chunk = 2 * BlockSums::stretch;
   const Tet4Packs &tets = *term.packs();
   const AddBlocks add_blocks = add_blocks_kernel();
   std::vector<double> K(chunk * reduced_entries * lanes), N(K.size());
   std::vector<int> negative(chunk * lanes);
-  DirectAssembly::Target H, N_target;
+  MatrixBlocks::Target H, N_target;
   PetscFunctionBeginUser;
-  PetscCall(direct.begin(H_matrix, &H));
-  PetscCall(direct.begin(N_matrix, &N_target));
+  PetscCall(batched.blocks().begin(H_matrix, &H));
+  PetscCall(batched.blocks().begin(N_matrix, &N_target));
   for (PetscInt first = 0; first < tets.packs(); first += chunk) {
     const PetscInt count = std::min(chunk, tets.packs() - first);
     const double t0 = now();
     term.reduced_hessians(first, count, u.data(), K.data());
     const double t1 = now();
-    add_blocks(direct.sums(), first, count, K.data(), nullptr, H.arrays);
+    add_blocks(batched.sums(), first, count, K.data(), nullptr, H.arrays);
     const double t2 = now();
     const SplitResult result =
         split_reduced(static_cast<int>(count), K.data(), N.data(), negative.data());
     const double t3 = now();
-    add_blocks(direct.sums(), first, count, N.data(), negative.data(), N_target.arrays);
+    add_blocks(batched.sums(), first, count, N.data(), negative.data(), N_target.arrays);
     const double t4 = now();
     parts->K += t1 - t0;
     parts->add_H += t2 - t1;
@@ -134,8 +134,8 @@ PetscErrorCode measure_parts(const ElasticTerm &term, const std::vector<double> 
     parts->indefinite += static_cast<double>(result.indefinite);
     parts->negative += std::accumulate(negative.begin(), negative.begin() + lanes * count, 0.0);
   }
-  PetscCall(direct.end(&H));
-  PetscCall(direct.end(&N_target));
+  PetscCall(batched.blocks().end(&H));
+  PetscCall(batched.blocks().end(&N_target));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -192,17 +192,15 @@ PetscErrorCode benchmark(Knot &knot, double poisson, double strength, const Mach
   const auto elements = static_cast<double>(knot.mesh.local_cells());
   EnergySums sums;
   BatchedHessian batched;
-  DirectAssembly direct;
   TrefoilSplitStatistics statistics{};
   MatInfo info;
   PetscFunctionBeginUser;
   PetscCall(batched.set_up(knot.discretization, term, knot.H));
-  PetscCall(direct.set_up(knot.discretization, *term.packs(), knot.H));
   PetscCall(MatGetInfo(knot.H, MAT_LOCAL, &info));
   Parts parts;
   for (int repeat = 0; repeat < 5; ++repeat) {
     Parts here;
-    PetscCall(measure_parts(term, u, direct, knot.H, knot.N, &here));
+    PetscCall(measure_parts(term, u, batched, knot.H, knot.N, &here));
     if (repeat == 0 || here.sum() < parts.sum()) parts = here;
   }
   std::printf(
@@ -212,10 +210,10 @@ PetscErrorCode benchmark(Knot &knot, double poisson, double strength, const Mach
   std::printf(
       "| part                             | ns     | flops | of peak | bytes | of bandwidth |\n"
       "|---|---|---|---|---|---|\n");
-  const FlopCount flops(material, static_cast<double>(direct.sums().pairs.size()) / elements);
+  const FlopCount flops(material, static_cast<double>(batched.sums().pairs.size()) / elements);
   const double body = term.bytes() / elements,
                field = 8.0 * static_cast<double>(u.size()) / elements;
-  const double matrix = 8 * info.nz_used / elements, places = direct.bytes() / elements;
+  const double matrix = 8 * info.nz_used / elements, places = batched.bytes() / elements;
   const double filter_flops = FlopCount::filter(parts.indefinite / elements,
                                                 parts.negative / std::max(parts.indefinite, 1.0));
   const Printer print{peak, elements};

@@ -136,21 +136,21 @@ PetscErrorCode benchmark_element(double poisson, PetscInt resolution, const std:
                  3) -
                  hessians,
              elements);
-  ElementAssembly places;
-  ElementAssembly::Target target;
-  PetscCall(places.set_up(discretization, H));
-  PetscCall(places.begin(H, &target));
+  BatchedHessian hessian;
+  MatrixBlocks::Target target;
+  PetscCall(hessian.set_up(discretization, term, H));
+  PetscCall(hessian.blocks().begin(H, &target));
   print_part("adding H",
              seconds(
                  [&] {
                    return by_chunks([&](PetscInt first, PetscInt count) {
-                     packed.add_blocks(first, count, K.data(), nullptr, places.places(),
+                     packed.add_blocks(first, count, K.data(), nullptr, hessian.places(),
                                        target.arrays);
                    });
                  },
                  3),
              elements);
-  PetscCall(places.end(&target));
+  PetscCall(hessian.blocks().end(&target));
   const auto all = [&](EnergyFunctional &functional) {
     PetscFunctionBeginUser;
     PetscCall(functional.energy(x, &sums));

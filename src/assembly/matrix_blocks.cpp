@@ -1,4 +1,4 @@
-#include "assembly/direct_assembly.hpp"
+#include "assembly/matrix_blocks.hpp"
 
 #include <petsc/private/petscimpl.h>
 
@@ -27,20 +27,24 @@ PetscErrorCode encode(std::size_t place, Region region, std::int32_t *code) {
 }
 
 /// Any of a vertex's dofs that is free; -1 if all are held.
-template <class Dofs>
-PetscInt free_dof(const Dofs &dofs) {
+PetscInt free_dof(const std::array<PetscInt, 3> &dofs) {
   return *std::max_element(dofs.begin(), dofs.end());
 }
 
-template <class Dofs>
-bool wholly_free(const Dofs &dofs) {
-  return *std::min_element(dofs.begin(), dofs.end()) >= 0;
-}
-
-/// By owner first.
-template <class Remote>
-auto key_of(const Remote &block) {
-  return std::make_tuple(free_dof(block.rows), block.rows, block.columns);
+/// Adds a block, given row by row.
+void add_block(const BlockPlace &place, std::size_t dim, const std::vector<std::int32_t> &numbers,
+               const double *block, double *const arrays[3]) {
+  if (place.stride > 0) {
+    double *to = arrays[place.code & 3] + (place.code >> 2);
+    for (std::size_t i = 0; i < dim; ++i, to += place.stride) {
+      for (std::size_t k = 0; k < dim; ++k) to[k] += *block++;
+    }
+  } else {
+    const std::int32_t *code = numbers.data() + (place.code >> 2);
+    for (std::size_t k = 0; k < dim * dim; ++k) {
+      if (code[k] >= 0) arrays[code[k] & 3][code[k] >> 2] += block[k];
+    }
+  }
 }
 
 /// The parts of an AIJ matrix: own columns and, with several ranks, the others'.
@@ -56,13 +60,18 @@ PetscErrorCode parts_of(Mat matrix, Mat (&parts)[2], const PetscInt **ghost_colu
 
 }  // namespace
 
-DirectAssembly::~DirectAssembly() {
+bool MatrixBlocks::Block::operator<(const Block &other) const {
+  return std::make_tuple(free_dof(rows), rows, columns) <
+         std::make_tuple(free_dof(other.rows), other.rows, other.columns);
+}
+
+MatrixBlocks::~MatrixBlocks() {
   static_cast<void>(PetscSFDestroy(&exchange_));  // errors have nowhere to go from here
   if (block_type_ != MPI_DATATYPE_NULL) MPI_Type_free(&block_type_);
 }
 
 /// Copies the rows' structure and the global numbers of the other ranks' columns.
-PetscErrorCode DirectAssembly::find_rows(Mat matrix) {
+PetscErrorCode MatrixBlocks::find_rows(Mat matrix) {
   Mat parts[2];
   const PetscInt *ghosts = nullptr, *ranges = nullptr;
   PetscMPIInt ranks = 0;
@@ -91,15 +100,9 @@ PetscErrorCode DirectAssembly::find_rows(Mat matrix) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-bool DirectAssembly::is_mine(const Dofs &rows) const {
-  const PetscInt row = free_dof(rows);
-  return row >= row_begin_ && row < row_end_;
-}
-
 /// Where the number of this rank's `row` and of `column` lies.
-PetscErrorCode DirectAssembly::place_number(PetscInt row, PetscInt column,
-                                            std::int32_t *code) const {
-  const bool own = column >= row_begin_ && column < row_end_;
+PetscErrorCode MatrixBlocks::place_number(PetscInt row, PetscInt column, std::int32_t *code) const {
+  const bool own = is_mine(column);
   const int p = own ? 0 : 1;
   PetscFunctionBeginUser;
   PetscInt local = column - row_begin_;
@@ -117,134 +120,150 @@ PetscErrorCode DirectAssembly::place_number(PetscInt row, PetscInt column,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// Where a block goes; nowhere if all its rows or columns are held.
-PetscErrorCode DirectAssembly::place_block(const Dofs &rows, const Dofs &columns,
-                                           BlockPlace *place) {
+/// Where a block of this rank's rows goes, as a whole or number by number.
+PetscErrorCode MatrixBlocks::place_own(const Block &block, std::vector<std::int32_t> *numbers,
+                                       BlockPlace *place) const {
   PetscFunctionBeginUser;
-  *place = {};
-  if (free_dof(rows) < 0 || free_dof(columns) < 0) PetscFunctionReturn(PETSC_SUCCESS);
-  if (!is_mine(rows)) {
-    const Remote block{rows, columns};
-    const auto found =
-        std::lower_bound(outgoing_.begin(), outgoing_.end(), block,
-                         [](const Remote &a, const Remote &b) { return key_of(a) < key_of(b); });
-    PetscCall(
-        encode(9 * static_cast<std::size_t>(found - outgoing_.begin()), for_others, &place->code));
-    PetscFunctionReturn(PETSC_SUCCESS);
+  bool whole = true;
+  for (std::size_t i = 0; i < dim_; ++i) {
+    whole = whole && block.rows[i] >= 0 && block.columns[i] >= 0;
   }
-  if (wholly_free(rows) && wholly_free(columns)) {
-    PetscCall(place_number(rows[0], columns[0], &place->code));
+  if (whole) {
+    PetscCall(place_number(block.rows[0], block.columns[0], &place->code));
     const auto &start = start_[place->code & 3];
-    const auto r = static_cast<std::size_t>(rows[0] - row_begin_);
+    const auto r = static_cast<std::size_t>(block.rows[0] - row_begin_);
     place->stride = start[r + 1] - start[r];
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(encode(sums_.numbers.size() / 9, own_columns, &place->code));
+  PetscCall(encode(numbers->size(), own_columns, &place->code));
   place->stride = 0;
-  for (const PetscInt row : rows) {
-    for (const PetscInt column : columns) {
+  for (std::size_t i = 0; i < dim_; ++i) {
+    for (std::size_t k = 0; k < dim_; ++k) {
       std::int32_t code = -1;
-      if (row >= 0 && column >= 0) PetscCall(place_number(row, column, &code));
-      sums_.numbers.push_back(code);
+      if (block.rows[i] >= 0 && block.columns[k] >= 0) {
+        PetscCall(place_number(block.rows[i], block.columns[k], &code));
+      }
+      numbers->push_back(code);
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// The blocks of this rank's elements whose rows others own, by owner.
-PetscErrorCode DirectAssembly::collect_remote(const Discretization &discretization) {
-  const Mesh &mesh = discretization.mesh();
+PetscErrorCode MatrixBlocks::place(PetscInt row, PetscInt column,
+                                   std::vector<std::int32_t> *numbers, BlockPlace *place) const {
+  const Block block{discretization_->dofs_of_vertex(row), discretization_->dofs_of_vertex(column)};
   PetscFunctionBeginUser;
-  for (std::size_t c = 0; c + 3 < mesh.cells.size(); c += 4) {
-    for (std::size_t a = 0; a < 4; ++a) {
-      const Dofs rows = discretization.dofs_of_vertex(mesh.cells[c + a]);
-      if (free_dof(rows) < 0 || is_mine(rows)) continue;
-      for (std::size_t b = 0; b < 4; ++b) {
-        const Dofs columns = discretization.dofs_of_vertex(mesh.cells[c + b]);
+  *place = {};
+  if (free_dof(block.rows) < 0 || free_dof(block.columns) < 0) PetscFunctionReturn(PETSC_SUCCESS);
+  if (is_mine(free_dof(block.rows))) {
+    PetscCall(place_own(block, numbers, place));
+  } else {  // blocks for others lie one after the other
+    const auto found = std::lower_bound(outgoing_.begin(), outgoing_.end(), block);
+    PetscCall(encode(dim_ * dim_ * static_cast<std::size_t>(found - outgoing_.begin()), for_others,
+                     &place->code));
+    place->stride = static_cast<std::int32_t>(dim_);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// The blocks of this rank's cells whose rows others own, by owner.
+void MatrixBlocks::collect_outgoing() {
+  const Mesh &mesh = discretization_->mesh();
+  const auto width = static_cast<std::size_t>(mesh.nodes_per_cell);
+  for (std::size_t c = 0; c < mesh.cells.size(); c += width) {
+    for (std::size_t a = 0; a < width; ++a) {
+      const Dofs rows = discretization_->dofs_of_vertex(mesh.cells[c + a]);
+      if (free_dof(rows) < 0 || is_mine(free_dof(rows))) continue;
+      for (std::size_t b = 0; b < width; ++b) {
+        const Dofs columns = discretization_->dofs_of_vertex(mesh.cells[c + b]);
         if (free_dof(columns) >= 0) outgoing_.push_back({rows, columns});
       }
     }
   }
-  std::sort(outgoing_.begin(), outgoing_.end(),
-            [](const Remote &a, const Remote &b) { return key_of(a) < key_of(b); });
-  outgoing_.erase(
-      std::unique(outgoing_.begin(), outgoing_.end(),
-                  [](const Remote &a, const Remote &b) { return key_of(a) == key_of(b); }),
-      outgoing_.end());
+  std::sort(outgoing_.begin(), outgoing_.end());
+  outgoing_.erase(std::unique(outgoing_.begin(), outgoing_.end(),
+                              [](const Block &a, const Block &b) { return !(a < b); }),
+                  outgoing_.end());
   outgoing_count_ = outgoing_.size();
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode DirectAssembly::set_up(const Discretization &discretization, const Tet4Packs &tets,
-                                      Mat matrix) {
+PetscErrorCode MatrixBlocks::begin_placing(const Discretization &discretization, Mat matrix) {
   PetscFunctionBeginUser;
+  discretization_ = &discretization;
+  dim_ = static_cast<std::size_t>(discretization.mesh().dimension);
+  comm_ = PetscObjectComm(reinterpret_cast<PetscObject>(matrix));
   PetscCall(find_rows(matrix));
-  PetscCall(collect_remote(discretization));
-  const auto place = [&](PetscInt row, PetscInt column, BlockPlace *result) {
-    return place_block(discretization.dofs_of_vertex(row), discretization.dofs_of_vertex(column),
-                       result);
-  };
-  PetscCall(make_block_sums(tets, place, &sums_));
-  PetscCall(connect(PetscObjectComm(reinterpret_cast<PetscObject>(matrix))));
-  for (int p = 0; p < 2; ++p) start_[p] = column_[p] = {};
-  ghost_columns_ = {};
-  outgoing_ = {};
-  ready_ = true;
+  collect_outgoing();
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// Tells the owners which blocks come to them; they find the places.
-PetscErrorCode DirectAssembly::connect(MPI_Comm comm) {
+PetscErrorCode MatrixBlocks::end_placing() {
   const std::size_t ranks = row_ranges_.size() - 1;
-  constexpr PetscMPIInt length = 6;  // of a block's numbers
-  PetscFunctionBeginUser;
   std::vector<PetscMPIInt> send(ranks, 0), receive(ranks, 0), send_at(ranks, 0),
-      receive_at(ranks, 0);
-  std::vector<PetscInt> numbers;
-  for (const Remote &block : outgoing_) {
+      receive_at(ranks, 0), first_at_owner(ranks, 0);
+  MPI_Datatype block_dofs = MPI_DATATYPE_NULL;
+  PetscFunctionBeginUser;
+  for (const Block &block : outgoing_) {
     const auto owner =
         std::upper_bound(row_ranges_.begin(), row_ranges_.end(), free_dof(block.rows)) -
         row_ranges_.begin() - 1;
-    send[static_cast<std::size_t>(owner)] += length;
-    numbers.insert(numbers.end(), block.rows.begin(), block.rows.end());
-    numbers.insert(numbers.end(), block.columns.begin(), block.columns.end());
+    ++send[static_cast<std::size_t>(owner)];
   }
-  PetscCallMPI(MPI_Alltoall(send.data(), 1, MPI_INT, receive.data(), 1, MPI_INT, comm));
+  PetscCallMPI(MPI_Alltoall(send.data(), 1, MPI_INT, receive.data(), 1, MPI_INT, comm_));
   std::exclusive_scan(send.begin(), send.end(), send_at.begin(), 0);
   std::exclusive_scan(receive.begin(), receive.end(), receive_at.begin(), 0);
-  std::vector<PetscInt> arrived(static_cast<std::size_t>(receive_at.back() + receive.back()));
-  PetscCallMPI(MPI_Alltoallv(numbers.data(), send.data(), send_at.data(), MPIU_INT, arrived.data(),
-                             receive.data(), receive_at.data(), MPIU_INT, comm));
-  for (std::size_t i = 0; i < arrived.size(); i += length) {
-    BlockPlace place;
-    PetscCall(place_block({arrived[i], arrived[i + 1], arrived[i + 2]},
-                          {arrived[i + 3], arrived[i + 4], arrived[i + 5]}, &place));
-    incoming_.push_back(place);
+  std::vector<Block> arrived(static_cast<std::size_t>(receive_at.back() + receive.back()));
+  static_assert(sizeof(Block) == 6 * sizeof(PetscInt));
+  PetscCallMPI(MPI_Type_contiguous(6, MPIU_INT, &block_dofs));
+  PetscCallMPI(MPI_Type_commit(&block_dofs));
+  PetscCallMPI(MPI_Alltoallv(outgoing_.data(), send.data(), send_at.data(), block_dofs,
+                             arrived.data(), receive.data(), receive_at.data(), block_dofs, comm_));
+  PetscCallMPI(MPI_Type_free(&block_dofs));
+  for (const Block &block : arrived) {
+    PetscCall(place_own(block, &incoming_numbers_, &incoming_.emplace_back()));
   }
   // A sender's first block lies at the owner behind those of the ranks before it.
-  std::vector<PetscMPIInt> offset_at_owner(ranks, 0);
   PetscCallMPI(
-      MPI_Alltoall(receive_at.data(), 1, MPI_INT, offset_at_owner.data(), 1, MPI_INT, comm));
+      MPI_Alltoall(receive_at.data(), 1, MPI_INT, first_at_owner.data(), 1, MPI_INT, comm_));
+  PetscCall(connect(send, first_at_owner));
+  for (int p = 0; p < 2; ++p) start_[p] = column_[p] = {};
+  ghost_columns_ = {};
+  outgoing_ = {};
+  discretization_ = nullptr;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Makes the exchange of blocks.
+/// @param sent blocks for each rank
+/// @param first_at_owner where the first of them lies there
+PetscErrorCode MatrixBlocks::connect(const std::vector<PetscMPIInt> &sent,
+                                     const std::vector<PetscMPIInt> &first_at_owner) {
   std::vector<PetscSFNode> destination;
-  for (std::size_t rank = 0; rank < ranks; ++rank) {
-    for (PetscMPIInt i = 0; i < send[rank] / length; ++i) {
+  PetscFunctionBeginUser;
+  for (std::size_t rank = 0; rank < sent.size(); ++rank) {
+    for (PetscMPIInt i = 0; i < sent[rank]; ++i) {
       PetscSFNode node;
       node.rank = static_cast<decltype(node.rank)>(rank);
-      node.index = offset_at_owner[rank] / length + i;
+      node.index = first_at_owner[rank] + i;
       destination.push_back(node);
     }
   }
-  PetscCall(PetscSFCreate(comm, &exchange_));
+  PetscCall(PetscSFCreate(comm_, &exchange_));
   PetscCall(PetscSFSetGraph(exchange_, static_cast<PetscInt>(incoming_.size()),
                             static_cast<PetscInt>(destination.size()), nullptr, PETSC_COPY_VALUES,
                             destination.data(), PETSC_COPY_VALUES));
   PetscCall(PetscSFSetUp(exchange_));
-  PetscCallMPI(MPI_Type_contiguous(9, MPI_DOUBLE, &block_type_));
+  PetscCallMPI(MPI_Type_contiguous(static_cast<int>(dim_ * dim_), MPI_DOUBLE, &block_type_));
   PetscCallMPI(MPI_Type_commit(&block_type_));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode DirectAssembly::begin(Mat matrix, Target *target) const {
+double MatrixBlocks::bytes() const {
+  return static_cast<double>(incoming_.capacity() * sizeof(BlockPlace) +
+                             incoming_numbers_.capacity() * sizeof(std::int32_t));
+}
+
+PetscErrorCode MatrixBlocks::begin(Mat matrix, Target *target) const {
   Mat parts[2];
   PetscFunctionBeginUser;
   target->matrix = matrix;
@@ -253,22 +272,23 @@ PetscErrorCode DirectAssembly::begin(Mat matrix, Target *target) const {
   for (int p = 0; p < 2; ++p) {
     if (parts[p]) PetscCall(MatSeqAIJGetArray(parts[p], &target->arrays[p]));
   }
-  target->outgoing.assign(9 * outgoing_count_, 0);
+  target->outgoing.assign(dim_ * dim_ * outgoing_count_, 0);
   target->arrays[for_others] = target->outgoing.data();
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode DirectAssembly::end(Target *target) const {
-  std::vector<double> received(9 * incoming_.size(), 0);
+PetscErrorCode MatrixBlocks::end(Target *target) const {
+  std::vector<double> received(dim_ * dim_ * incoming_.size(), 0);
   Mat parts[2];
   PetscFunctionBeginUser;
   PetscCall(PetscSFReduceBegin(exchange_, block_type_, target->outgoing.data(), received.data(),
                                MPI_REPLACE));
   PetscCall(PetscSFReduceEnd(exchange_, block_type_, target->outgoing.data(), received.data(),
                              MPI_REPLACE));
-  for (std::size_t block = 0; block < incoming_.size(); ++block) {
-    add_block<InstructionSet::baseline>(sums_, incoming_[block], false, &received[9 * block],
-                                        target->arrays);
+  const double *block = received.data();
+  for (const BlockPlace &place : incoming_) {
+    add_block(place, dim_, incoming_numbers_, block, target->arrays);
+    block += dim_ * dim_;
   }
   PetscCall(parts_of(target->matrix, parts, nullptr));
   for (int p = 0; p < 2; ++p) {
