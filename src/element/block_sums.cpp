@@ -86,16 +86,8 @@ double BlockSums::bytes() const {
 }
 
 AddBlocks add_blocks_kernel(InstructionSet instructions) {
-  switch (instructions) {
-#if defined(__x86_64__)
-    case InstructionSet::avx512:
-      return make_add_blocks<InstructionSet::avx512>();
-    case InstructionSet::avx2:
-      return make_add_blocks<InstructionSet::avx2>();
-#endif
-    default:
-      return make_add_blocks<InstructionSet::baseline>();
-  }
+  return for_instruction_set(instructions,
+                             []<InstructionSet isa>() { return make_add_blocks<isa>(); });
 }
 
 }  // namespace trefoil

@@ -3,8 +3,7 @@
 // The batched kernels of isoparametric simplices. Included only by the files that are compiled for
 // one instruction set each (element_kernels_*.cpp); everything in here depends on Pack<isa>.
 
-#include <cmath>
-
+#include "element/element_modes.hpp"
 #include "element/element_packs.hpp"
 
 namespace trefoil {
@@ -19,33 +18,11 @@ constexpr int lower(int r, int c) {
 template <int nodes, int points, int dim, InstructionSet isa>
 struct Kernels {
   using Real = Pack<isa>;
+  using Modes = ElementModes<nodes, isa>;
   static constexpr int modes = nodes - 1;
   static constexpr int rows = dim * modes, entries = rows * (rows + 1) / 2;
   static constexpr int tangent_rows = dim * dim;
   static constexpr int tangent_entries = tangent_rows * (tangent_rows + 1) / 2;
-
-  /// See ElementPacks.
-  static double first_weight() { return 1 / std::sqrt(static_cast<double>(nodes)); }
-  static double shared_weight() {
-    const double s = first_weight();
-    return s * s / (1 - s);
-  }
-
-  /// One component of all nodes to that of all modes: Q'x.
-  static void reduce(const Real (&x)[nodes], Real (&reduced)[modes]) {
-    Real sum = x[1];
-    for (int a = 2; a < nodes; ++a) sum += x[a];
-    const Real shift = first_weight() * x[0] - shared_weight() * sum;
-    for (int k = 0; k < modes; ++k) reduced[k] = x[k + 1] + shift;
-  }
-  /// And back: Q y.
-  static void expand(const Real (&reduced)[modes], Real (&x)[nodes]) {
-    Real sum = reduced[0];
-    for (int k = 1; k < modes; ++k) sum += reduced[k];
-    x[0] = first_weight() * sum;
-    const Real shift = shared_weight() * sum;
-    for (int k = 0; k < modes; ++k) x[k + 1] = reduced[k] - shift;
-  }
 
   /// Rest shape and displacements of a pack.
   struct Elements {
@@ -81,7 +58,7 @@ struct Kernels {
         for (int a = 0; a < nodes; ++a) {
           for (int lane = 0; lane < lanes; ++lane) x[a].v[lane] = u[3 * node[lanes * a + lane] + i];
         }
-        reduce(x, y);
+        Modes::reduce(x, y);
         for (int k = 0; k < modes; ++k) U[k][i] = y[k];
       }
     }
@@ -101,22 +78,33 @@ struct Kernels {
     }
   }
 
-  static void energy(const MaterialModel &material, const ElementPacks &packed, PetscInt first,
-                     PetscInt count, const double *u, double rest_density, double *sums) {
-    Real energy, scale, U[modes][dim], G[modes][dim];
-    alignas(64) double F[9 * lanes], psi[lanes];
+  /// Calls work(weight, F) at every point of the packs.
+  template <class Work>
+  static void at_points(const ElementPacks &packed, PetscInt first, PetscInt count, const double *u,
+                        const Work &work) {
+    Real U[modes][dim], G[modes][dim];
+    alignas(64) double F[9 * lanes];
     for (PetscInt pack = first; pack < first + count; ++pack) {
       const Elements elements(packed, pack);
       elements.displacements(u, U);
       for (int q = 0; q < points; ++q) {
         elements.gradients(q, G);
         deformation_gradient(U, G, F);
-        material.energy_densities(F, psi);
-        const Real density = Real::load(psi), weight = elements.weight(q);
-        energy += density * weight;
-        scale += (density - Real(rest_density)).absolute() * weight;
+        work(elements.weight(q), F);
       }
     }
+  }
+
+  static void energy(const MaterialModel &material, const ElementPacks &packed, PetscInt first,
+                     PetscInt count, const double *u, double rest_density, double *sums) {
+    Real energy, scale;
+    alignas(64) double psi[lanes];
+    at_points(packed, first, count, u, [&](const Real &weight, const double *F) {
+      material.energy_densities(F, psi);
+      const Real density = Real::load(psi);
+      energy += density * weight;
+      scale += (density - Real(rest_density)).absolute() * weight;
+    });
     sums[0] += energy.sum();
     sums[1] += scale.sum();
   }
@@ -144,7 +132,7 @@ struct Kernels {
       }
       for (int i = 0; i < dim; ++i) {
         Real force[nodes];
-        expand(reduced[i], force);
+        Modes::expand(reduced[i], force);
         for (int a = 0; a < nodes; ++a) {
           for (int lane = 0; lane < lanes; ++lane) {
             forces[3 * elements.node[lanes * a + lane] + i] += force[a].v[lane];
@@ -156,23 +144,16 @@ struct Kernels {
 
   static void tangents(const MaterialModel &material, const ElementPacks &packed, PetscInt first,
                        PetscInt count, const double *u, double *A) {
-    Real U[modes][dim], G[modes][dim];
-    alignas(64) double F[9 * lanes], full[81 * lanes];
-    for (PetscInt pack = first; pack < first + count; ++pack) {
-      const Elements elements(packed, pack);
-      elements.displacements(u, U);
-      for (int q = 0; q < points; ++q) {
-        elements.gradients(q, G);
-        deformation_gradient(U, G, F);
-        material.tangents(F, full);
-        for (int r = 0; r < tangent_rows; ++r) {
-          for (int c = 0; c <= r; ++c, A += lanes) {
-            const int row = 3 * (r / dim) + r % dim, column = 3 * (c / dim) + c % dim;
-            Real::load(full + lanes * (9 * row + column)).store(A);
-          }
+    alignas(64) double full[81 * lanes];
+    at_points(packed, first, count, u, [&](const Real &, const double *F) {
+      material.tangents(F, full);
+      for (int r = 0; r < tangent_rows; ++r) {
+        for (int c = 0; c <= r; ++c, A += lanes) {
+          const int row = 3 * (r / dim) + r % dim, column = 3 * (c / dim) + c % dim;
+          Real::load(full + lanes * (9 * row + column)).store(A);
         }
       }
-    }
+    });
   }
 
   /// Column (l, m) of the contraction at point q: C_ij = w sum_n A_ij,mn G_l[n].
@@ -233,12 +214,12 @@ struct Kernels {
           for (int k = 0; k < modes; ++k) {
             column[k] = Real::load(K + lanes * lower(dim * k + i, dim * l + m));
           }
-          expand(column, x);
+          Modes::expand(column, x);
           for (int a = 0; a < nodes; ++a) half[a][l] = x[a];
         }
         for (int a = 0; a < nodes; ++a) {
           Real row[nodes];
-          expand(half[a], row);
+          Modes::expand(half[a], row);
           for (int b = 0; b < nodes; ++b) {
             row[b].store(blocks + lanes * ((nodes * a + b) * dim * dim + dim * i + m));
           }

@@ -64,16 +64,9 @@ ElementPacks pack_elements(const Mesh &mesh) {
 }
 
 ElementKernels element_kernels(const ReferenceElement &reference, InstructionSet instructions) {
-  switch (instructions) {
-#if defined(__x86_64__)
-    case InstructionSet::avx512:
-      return make_element_kernels<InstructionSet::avx512>(reference.dimension, reference.nodes);
-    case InstructionSet::avx2:
-      return make_element_kernels<InstructionSet::avx2>(reference.dimension, reference.nodes);
-#endif
-    default:
-      return make_element_kernels<InstructionSet::baseline>(reference.dimension, reference.nodes);
-  }
+  return for_instruction_set(instructions, [&]<InstructionSet isa>() {
+    return make_element_kernels<isa>(reference.dimension, reference.nodes);
+  });
 }
 
 }  // namespace trefoil

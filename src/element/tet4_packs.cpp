@@ -49,16 +49,8 @@ Tet4Packs pack_tetrahedra(const Mesh &mesh) {
 }
 
 Tet4Kernels tet4_kernels(InstructionSet instructions) {
-  switch (instructions) {
-#if defined(__x86_64__)
-    case InstructionSet::avx512:
-      return make_tet4_kernels<InstructionSet::avx512>();
-    case InstructionSet::avx2:
-      return make_tet4_kernels<InstructionSet::avx2>();
-#endif
-    default:
-      return make_tet4_kernels<InstructionSet::baseline>();
-  }
+  return for_instruction_set(instructions,
+                             []<InstructionSet isa>() { return make_tet4_kernels<isa>(); });
 }
 
 }  // namespace trefoil

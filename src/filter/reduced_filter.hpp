@@ -36,6 +36,18 @@ enum class InstructionSet { baseline, avx2, avx512 };
 [[nodiscard]] bool processor_has(InstructionSet instructions) noexcept;
 [[nodiscard]] InstructionSet filter_instruction_set() noexcept;
 
+/// make.operator()<isa>() for an instruction set that is known at run time only.
+template <class Make>
+auto for_instruction_set(InstructionSet instructions, const Make &make) {
+#if defined(__x86_64__)
+  if (instructions == InstructionSet::avx512) {
+    return make.template operator()<InstructionSet::avx512>();
+  }
+  if (instructions == InstructionSet::avx2) return make.template operator()<InstructionSet::avx2>();
+#endif
+  return make.template operator()<InstructionSet::baseline>();
+}
+
 /// For tests and benchmarks: split_reduced() by one instruction set, which the processor must have.
 struct ReducedSplitExperiment {
   InstructionSet instructions = InstructionSet::baseline;

@@ -21,16 +21,8 @@ InstructionSet chosen_instruction_set() {
 }
 
 const PackedFunctions *find_packed_functions_table(InstructionSet instructions) {
-  switch (instructions) {
-#if defined(__x86_64__)
-    case InstructionSet::avx512:
-      return packed_functions_table<InstructionSet::avx512>();
-    case InstructionSet::avx2:
-      return packed_functions_table<InstructionSet::avx2>();
-#endif
-    default:
-      return packed_functions_table<InstructionSet::baseline>();
-  }
+  return for_instruction_set(instructions,
+                             []<InstructionSet isa>() { return packed_functions_table<isa>(); });
 }
 
 }  // namespace trefoil

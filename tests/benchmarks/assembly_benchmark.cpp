@@ -9,7 +9,6 @@
 // or by quadrature point.
 
 #include <petsctime.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -29,6 +28,7 @@
 #include "machine_peak.hpp"
 #include "material/stable_neo_hookean.hpp"
 #include "mesh/generate.hpp"
+#include "one_thread.hpp"
 #include "petsc_compatibility.hpp"
 #include "term/elastic_term.hpp"
 
@@ -270,11 +270,7 @@ PetscErrorCode run(const char *resolutions, const char *poissons, bool with_plai
 }  // namespace
 
 int main(int argc, char **argv) {
-  // One thread for LAPACK, whose library reads this before main() begins.
-  if (!std::getenv("OPENBLAS_NUM_THREADS")) {
-    setenv("OPENBLAS_NUM_THREADS", "1", 1);
-    execv("/proc/self/exe", argv);
-  }
+  keep_lapack_to_one_thread(argv);
   PetscCall(PetscInitialize(&argc, &argv, nullptr, nullptr));
   const std::string element = argc > 3 ? argv[3] : "";
   if (element.substr(0, 2) == "tr" || element.substr(0, 2) == "te") {

@@ -5,7 +5,6 @@
 //   projection_benchmark [resolutions of the square = 8,16,24] [poisson ratio = 0.495]
 
 #include <petsctime.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -22,6 +21,7 @@
 #include "filter/packed_filter.hpp"
 #include "material/stable_neo_hookean.hpp"
 #include "mesh/generate.hpp"
+#include "one_thread.hpp"
 #include "petsc_compatibility.hpp"
 #include "term/element_term.hpp"
 
@@ -160,11 +160,7 @@ PetscErrorCode compare(PetscInt resolution, double poisson) {
 }  // namespace
 
 int main(int argc, char **argv) {
-  // One thread for LAPACK, whose library reads this before main() begins.
-  if (!std::getenv("OPENBLAS_NUM_THREADS")) {
-    setenv("OPENBLAS_NUM_THREADS", "1", 1);
-    execv("/proc/self/exe", argv);
-  }
+  keep_lapack_to_one_thread(argv);
   PetscCall(PetscInitialize(&argc, &argv, nullptr, nullptr));
   std::printf(
       "| resolution | triangles | unknowns | indefinite triangles | negative eigenvalues of H |"

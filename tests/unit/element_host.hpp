@@ -36,6 +36,16 @@ class CaughtError {
   }
 };
 
+/// A Jacobian callback that has these elements only.
+inline auto filled_with(const Elements &elements) {
+  return [&elements](Mat H) {
+    PetscFunctionBeginUser;
+    PetscCall(MatZeroEntries(H));
+    PetscCall(add_elements(H, elements, Way::values));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  };
+}
+
 class ElementHost {
  public:
   /// Adds to H what the Jacobian has, and finishes its assembly.

@@ -180,16 +180,7 @@ TEST(RuleRegisterTest, ChoosesTheWeights) {
   ElementHost host;
   host.option("snes_trefoil_filter", "host's own");
   host.option("snes_linesearch_damping", "0.5");
-  ASSERT_EQ(host.solve(
-                elements.nodes, 1,
-                [&](Mat H) {
-                  PetscFunctionBeginUser;
-                  PetscCall(MatZeroEntries(H));
-                  PetscCall(add_elements(H, elements, Way::values));
-                  PetscFunctionReturn(PETSC_SUCCESS);
-                },
-                3),
-            0);
+  ASSERT_EQ(host.solve(elements.nodes, 1, filled_with(elements), 3), 0);
   EXPECT_EQ(rule.told, (std::vector<double>{-1, 0.25, 0.25}));
   ASSERT_EQ(host.matrices.size(), 3U);
   for (const Dense &matrix : host.matrices) {

@@ -14,16 +14,7 @@ TEST(HookHostTest, FiltersEveryJacobian) {
   const Elements elements(3, Kind::mixed);
   ElementHost host;
   host.weigh(0.7);
-  ASSERT_EQ(host.solve(
-                elements.nodes, 3,
-                [&](Mat H) {
-                  PetscFunctionBeginUser;
-                  PetscCall(MatZeroEntries(H));
-                  PetscCall(add_elements(H, elements, Way::values));
-                  PetscFunctionReturn(PETSC_SUCCESS);
-                },
-                3),
-            0);
+  ASSERT_EQ(host.solve(elements.nodes, 3, filled_with(elements), 3), 0);
   ASSERT_GE(host.matrices.size(), 1U);
   for (const Dense &matrix : host.matrices) {
     EXPECT_LT(difference(matrix, elements.sum(0.7)), 1e-13);
