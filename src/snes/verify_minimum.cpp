@@ -4,148 +4,24 @@
    Where no element is indefinite there is nothing to do. Where the linear solver is a Cholesky
    factorisation, that of H tells, at the price of an iteration's. Elsewhere, and for a direction of
    negative curvature, conjugate gradients on H from a random right-hand side, preconditioned by the
-   solver of the filtered Jacobian H + 2 w N:
-
-   - p'Hp < 0 of a search direction p proves that H is indefinite, whatever the preconditioner;
-   - a residual below 1e-4 / sqrt(n) of the first one proves that it is definite, but for a chance
-   of about 1e-4. As long as no p'Hp was negative, the residual is q(M^-1 H) times the first one for
-   a polynomial with q(0) = 1 and positive roots, so |q| > 1 at negative arguments: the part of the
-     residual in an eigenvector of negative curvature grows. It began at about 1 / sqrt(n), unless
-     the random vector happened to have nearly no part in that eigenvector.
+   solver of the filtered Jacobian H + 2 w N, see negative_curvature.hpp.
 */
 #include <petscksp.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "petsc_compatibility.hpp"
 #include "snes/line.hpp"
 #include "snes/matrix_operations.hpp"
+#include "snes/negative_curvature.hpp"
 
 namespace trefoil {
 namespace {
 
-/// A direction p of negative curvature, where there is one.
-struct NegativeCurvature {
-  bool factored = false;    ///< there is none: the solver now holds factors of H itself
-  Vec direction = nullptr;  ///< one of the work vectors
-  double curvature = 0;     ///< p'Hp
-  double squared_norm = 0;  ///< p'Mp of the preconditioner M, the filtered Jacobian or near it
-};
-
-constexpr int most_solves = 500;
-/// Curvatures below this share of the filtered Hessian's are rounding.
-constexpr double curvature_noise = 1e-10;
 constexpr int most_saddles = 100;  ///< to leave in one solve
 /// A relative energy error of 1e-6 is promised with the default tolerance of 1e-8.
 constexpr double error_over_tolerance = 100;
-
-/// Five vectors like x, destroyed together.
-class WorkVectors {
- public:
-  explicit WorkVectors(Vec x) : x_(x) {}
-  WorkVectors(const WorkVectors &) = delete;
-  WorkVectors &operator=(const WorkVectors &) = delete;
-  ~WorkVectors() {
-    for (Vec &v : vectors_) static_cast<void>(VecDestroy(&v));  // errors have nowhere to go
-  }
-  PetscErrorCode get(std::size_t i, Vec *v) {
-    PetscFunctionBeginUser;
-    if (!vectors_[i]) PetscCall(VecDuplicate(x_, &vectors_[i]));
-    *v = vectors_[i];
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-
- private:
-  Vec x_;
-  std::array<Vec, 5> vectors_{};
-};
-
-PetscErrorCode dot(Vec a, Vec b, double *product) {
-  PetscScalar value = 0;
-  PetscFunctionBeginUser;
-  PetscCall(VecDot(a, b, &value));
-  *product = PetscRealPart(value);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/// Random numbers times the roots of H's diagonal: every eigenvector of the pair H, diag(H) has the
-/// same share, in any unit and on graded meshes.
-PetscErrorCode set_random_forces(Mat H, Vec forces, Vec diagonal) {
-  PetscRandom random = nullptr;
-  PetscFunctionBeginUser;
-  PetscCall(PetscRandomCreate(PetscObjectComm(reinterpret_cast<PetscObject>(H)), &random));
-  PetscCall(PetscRandomSetInterval(random, -1, 1));
-  PetscCall(VecSetRandom(forces, random));
-  PetscCall(PetscRandomDestroy(&random));
-  PetscCall(MatGetDiagonal(H, diagonal));
-  PetscCall(VecAbs(diagonal));
-  PetscCall(VecSqrtAbs(diagonal));
-  PetscCall(VecPointwiseMult(forces, forces, diagonal));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/// Hp of the unfiltered Hessian.
-PetscErrorCode multiply_unfiltered(const SolveContext &context, Mat filtered, Vec p, Vec work,
-                                   Vec Hp) {
-  PetscFunctionBeginUser;
-  PetscCall(MatMult(filtered, p, Hp));
-  PetscCall(MatMult(context.negative, p, work));
-  PetscCall(VecAXPY(Hp, -2 * context.current.weight, work));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/// Conjugate gradients, as said above.
-PetscErrorCode probe_curvature(SolveContext &context, Mat filtered, WorkVectors &work,
-                               StationaryPoint *kind, NegativeCurvature *found) {
-  KSP ksp = nullptr;
-  PC solver = nullptr;
-  Vec r = nullptr, z = nullptr, p = nullptr, Hp = nullptr, product = nullptr;
-  PetscInt size = 0;
-  double rz = 0;
-  PetscFunctionBeginUser;
-  *kind = StationaryPoint::unknown;
-  PetscCall(SNESGetKSP(context.snes, &ksp));
-  PetscCall(KSPGetPC(ksp, &solver));
-  PetscCall(work.get(0, &r));
-  PetscCall(work.get(1, &z));
-  PetscCall(work.get(2, &p));
-  PetscCall(work.get(3, &Hp));
-  PetscCall(work.get(4, &product));
-  PetscCall(VecGetSize(r, &size));
-  PetscCall(set_random_forces(filtered, r, product));
-  PetscCall(PCApply(solver, r, z));
-  PetscCall(dot(r, z, &rz));
-  const double enough = 1e-8 / static_cast<double>(size) * rz;
-  double squared_norm = rz;  // of p in the filtered Hessian's norm; the terms are orthogonal in it
-  PetscCall(VecCopy(z, p));
-  for (int k = 0; k < most_solves && rz > 0; ++k) {
-    double curvature = 0;
-    ++context.summary.verification_solves;
-    PetscCall(multiply_unfiltered(context, filtered, p, product, Hp));
-    PetscCall(dot(p, Hp, &curvature));
-    if (curvature < -curvature_noise * squared_norm) {
-      *kind = StationaryPoint::saddle;
-      found->direction = p;
-      found->curvature = curvature;
-      found->squared_norm = squared_norm;
-      break;
-    }
-    if (!(curvature > curvature_noise * squared_norm)) break;  // singular, as far as one can tell
-    PetscCall(VecAXPY(r, -rz / curvature, Hp));
-    PetscCall(PCApply(solver, r, z));
-    const double last = rz;
-    PetscCall(dot(r, z, &rz));
-    if (std::abs(rz) <= enough) {
-      *kind = StationaryPoint::minimum;
-      break;
-    }
-    squared_norm = rz + (rz / last) * (rz / last) * squared_norm;
-    PetscCall(VecAYPX(p, rz / last, z));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
 
 /// H + 2 w N becomes H, or H becomes H + 2 w N again, and is factored. CHOLMOD calls a matrix that
 /// is not positive definite an error; it is none here.
@@ -182,14 +58,15 @@ PetscErrorCode try_factors(SolveContext &context, bool *definite) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// @param factored the solver now holds factors of H itself
 PetscErrorCode classify(SolveContext &context, WorkVectors &work, StationaryPoint *kind,
-                        NegativeCurvature *found) {
+                        bool *factored, NegativeCurvature *found) {
   const bool all_filtered = context.unfiltered.unfiltered() == 0;
   const bool clamped = context.current.weight >= 0.5 && all_filtered;
   Mat filtered = nullptr;
   FactorSays says = FactorSays::nothing;
-  bool definite = false;
   PetscFunctionBeginUser;
+  *factored = false;
   PetscCall(ask_factor(context.snes, &says));
   const bool positive_solver = clamped || says == FactorSays::definite;
   *kind = StationaryPoint::unknown;
@@ -198,9 +75,8 @@ PetscErrorCode classify(SolveContext &context, WorkVectors &work, StationaryPoin
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   const Phase phase = context.clock.switch_to(Phase::linear_solve);
-  if (says != FactorSays::nothing) PetscCall(try_factors(context, &definite));
-  found->factored = definite;
-  if (definite) {
+  if (says != FactorSays::nothing) PetscCall(try_factors(context, factored));
+  if (*factored) {
     *kind = StationaryPoint::minimum;
   } else if (positive_solver) {
     PetscCall(SNESGetJacobian(context.snes, nullptr, &filtered, nullptr, nullptr));
@@ -283,14 +159,14 @@ PetscErrorCode verify_minimum(SolveContext &context, Line &line, SNESConvergedRe
   StationaryPoint kind = StationaryPoint::unknown;
   NegativeCurvature found;
   WorkVectors work(line.x);
-  bool lower = false;
+  bool factored = false, lower = false;
   PetscFunctionBeginUser;
   *reason = SNES_CONVERGED_SNORM_RELATIVE;
   if (!verification_is_on(context.options)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(classify(context, work, &kind, &found));
+  PetscCall(classify(context, work, &kind, &factored, &found));
   context.summary.end = kind;
   if (!context.negative_present) context.summary.error_estimate = context.current.decrement;
-  if (found.factored) PetscCall(finish_by_newton(context, line, &lower));
+  if (factored) PetscCall(finish_by_newton(context, line, &lower));
   if (lower) {
     context.summary.end = StationaryPoint::unknown;
     context.summary.error_estimate = IterationRecord::none;
