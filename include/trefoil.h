@@ -133,7 +133,9 @@ typedef PetscErrorCode (*TrefoilRuleFunction)(SNES snes, const TrefoilIteration 
 */
 PetscErrorCode TrefoilRuleRegister(const char name[], TrefoilRuleFunction function, void *ctx);
 
-/* The weight w of the present Jacobian H + 2 w N. Not collective. */
+/* The weight w of the present Jacobian H + 2 w N; after a solve, of the last direction's. Where
+   -snes_trefoil_verify_minimum has factored H itself, that is what the Mat and the KSP hold at the
+   end. Not collective. */
 PetscErrorCode TrefoilSNESGetWeight(SNES snes, PetscReal *weight);
 
 /* The trust-region ratio of the last step taken, NaN where there is none. Not collective. */

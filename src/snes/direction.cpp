@@ -81,19 +81,35 @@ PetscErrorCode judge(SolveContext &context, const Line &line, Verdict *verdict) 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// The Jacobian at x once more, and the solver's preconditioner, also where the SNES lags them.
+PetscErrorCode compute_jacobian_now(SNES snes, Vec x) {
+  Mat J = nullptr, H = nullptr;
+  KSP ksp = nullptr;
+  PetscInt jacobian_lag = 1, preconditioner_lag = 1;
+  PetscFunctionBegin;
+  PetscCall(SNESGetLagJacobian(snes, &jacobian_lag));
+  PetscCall(SNESGetLagPreconditioner(snes, &preconditioner_lag));
+  PetscCall(SNESSetLagJacobian(snes, 1));
+  PetscCall(SNESSetLagPreconditioner(snes, 1));
+  PetscCall(SNESGetJacobian(snes, &J, &H, nullptr, nullptr));
+  PetscCall(SNESComputeJacobian(snes, x, J, H));
+  PetscCall(SNESSetLagJacobian(snes, jacobian_lag));
+  PetscCall(SNESSetLagPreconditioner(snes, preconditioner_lag));
+  PetscCall(SNESGetKSP(snes, &ksp));
+  PetscCall(KSPSetOperators(ksp, J, H));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /// The direction once more, from a Jacobian with another weight.
 PetscErrorCode replace_direction(SolveContext &context, Line &line, double weight) {
-  Mat J = nullptr, H = nullptr;
   KSP ksp = nullptr;
   PetscScalar slope = 0;
   PetscInt linear_iterations = 0;
   PetscFunctionBegin;
   context.instead_of_rejected = weight;
-  PetscCall(SNESGetJacobian(context.snes, &J, &H, nullptr, nullptr));
-  PetscCall(SNESComputeJacobian(context.snes, line.solution, J, H));
+  PetscCall(compute_jacobian_now(context.snes, line.solution));
   context.instead_of_rejected.reset();
   PetscCall(SNESGetKSP(context.snes, &ksp));
-  PetscCall(KSPSetOperators(ksp, J, H));
   PetscCall(KSPSolve(ksp, line.residual, line.minus_d));
   PetscCall(KSPGetIterationNumber(ksp, &linear_iterations));
   PetscCall(VecDot(line.residual, line.minus_d, &slope));

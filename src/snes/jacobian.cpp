@@ -115,10 +115,13 @@ PetscErrorCode compute_filtered_jacobian(SNES snes, Vec x, Mat J, Mat H, void *c
   double filter_seconds = 0;
 
   PetscFunctionBeginUser;
+  PetscCall(SNESGetIterationNumber(snes, &iteration));
+  // A solve that ended in an error has not said so.
+  const bool again = context.instead_of_rejected.has_value();
+  if (iteration == 0 && !again && !context.history.empty()) context.running = false;
   PetscCall(begin_solve(context));
   context.clock.switch_to(Phase::assembly);
   PetscCall(is_driven(snes, &context.driven));
-  PetscCall(SNESGetIterationNumber(snes, &iteration));
   current.k = static_cast<int>(iteration);
   current.weight = choose_weight(context);
   PetscCheck(current.weight >= 0 && std::isfinite(current.weight), comm, PETSC_ERR_ARG_OUTOFRANGE,
@@ -155,7 +158,10 @@ PetscErrorCode compute_filtered_jacobian(SNES snes, Vec x, Mat J, Mat H, void *c
   PetscCallMPI(MPI_Barrier(comm));  // or waiting for each other would count as solving, too
   context.clock.switch_to(Phase::linear_solve);
   context.clock.move(Phase::assembly, Phase::filter, filter_seconds);
-  if (!context.instead_of_rejected) ++context.summary.iterations;
+  if (!again) {
+    ++context.summary.iterations;
+    context.jacobian_is_new = true;
+  }
   ++context.summary.linear_solves;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -43,7 +43,7 @@ static PetscErrorCode open_line(SolveContext &context, SNESLineSearch search, Li
   IterationRecord &current = context.current;
   PetscErrorCode (*objective)(SNES, Vec, PetscReal *, void *) = nullptr;
   PetscScalar slope = 0;
-  PetscInt linear_iterations = 0;
+  PetscInt iteration = 0, linear_iterations = 0;
   PetscBool changed = PETSC_FALSE;
   KSP ksp = nullptr;
 
@@ -54,6 +54,10 @@ static PetscErrorCode open_line(SolveContext &context, SNESLineSearch search, Li
              PetscObjectComm(reinterpret_cast<PetscObject>(search)), PETSC_ERR_ORDER,
              "line search trefoil has not seen the Jacobian being made (were the SNES's monitors "
              "cancelled?): use -snes_type trefoil");
+  PetscCheck(line.has_objective || context.options.search != "subspace",
+             PetscObjectComm(reinterpret_cast<PetscObject>(search)), PETSC_ERR_ARG_WRONGSTATE,
+             "-snes_trefoil_search subspace compares energies: set one with SNESSetObjective(), or "
+             "use -snes_trefoil_search armijo");
   PetscCall(SNESLineSearchGetVecs(search, &line.solution, &line.residual, &line.minus_d,
                                   &line.trial, &line.trial_residual));
   PetscCall(SNESLineSearchPreCheck(search, line.solution, line.minus_d, &changed));
@@ -76,6 +80,13 @@ static PetscErrorCode open_line(SolveContext &context, SNESLineSearch search, Li
     context.boundary_values_open = line.lifted;
   }
 
+  if (!context.jacobian_is_new) {  // the SNES lags it
+    ++context.summary.iterations;
+    ++context.summary.linear_solves;
+  }
+  context.jacobian_is_new = false;
+  PetscCall(SNESGetIterationNumber(context.snes, &iteration));
+  current.k = static_cast<int>(iteration);
   current.energy = line.energy;
   current.decrement = std::abs(line.slope) / 2;
   current.linear_iterations = static_cast<int>(linear_iterations);

@@ -85,6 +85,29 @@ PetscErrorCode check_values(const SolverOptions &options, MPI_Comm comm) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// A factorisation that fails is an answer to a rule that may be rejected, not the end of the
+/// solve; to any other it is what the SNES says it is.
+PetscErrorCode allow_linear_failures(SolveContext &context) {
+  PetscOptions database = nullptr;
+  const char *prefix = nullptr;
+  PetscBool given = PETSC_FALSE;
+  PetscFunctionBeginUser;
+  PetscCall(PetscObjectGetOptions(reinterpret_cast<PetscObject>(context.snes), &database));
+  PetscCall(SNESGetOptionsPrefix(context.snes, &prefix));
+  PetscCall(PetscOptionsHasName(database, prefix, "-snes_max_linear_solve_fail", &given));
+  if (given) PetscFunctionReturn(PETSC_SUCCESS);
+  if (context.rule->may_be_rejected() && !context.linear_failures) {
+    PetscInt failures = 0;
+    PetscCall(SNESGetMaxLinearSolveFailures(context.snes, &failures));
+    PetscCall(SNESSetMaxLinearSolveFailures(context.snes, PETSC_MAX_INT));
+    context.linear_failures = failures;
+  } else if (!context.rule->may_be_rejected() && context.linear_failures) {
+    PetscCall(SNESSetMaxLinearSolveFailures(context.snes, *context.linear_failures));
+    context.linear_failures.reset();
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 }  // namespace
 
 PetscErrorCode set_options(SolveContext &context) {
@@ -174,7 +197,10 @@ PetscErrorCode set_options(SolveContext &context) {
   PetscCall(PetscOptionsString("-snes_trefoil_fields",
                                "Fields to filter, by name or number, separated by commas", "",
                                options.fields.c_str(), fields.data(), fields.size(), &found));
-  if (found) options.fields = fields.data();
+  if (found && options.fields != fields.data()) {
+    options.fields = fields.data();
+    PetscCall(release_host_matrix(context));  // it knows the unknowns of the old fields
+  }
   PetscCall(
       PetscOptionsString("-snes_trefoil_space",
                          "What is filtered: element, the element's Hessian; deformation, dP/dF "
@@ -200,10 +226,7 @@ PetscErrorCode set_options(SolveContext &context) {
              "-snes_trefoil_weight is for -snes_trefoil_filter constant; the filter is '%s'",
              options.filter.c_str());
   context.rule = make_rule(options.filter, options.rule);
-  // A factorisation that fails is an answer to such a rule, not the end of the solve.
-  if (context.rule->may_be_rejected()) {
-    PetscCall(SNESSetMaxLinearSolveFailures(context.snes, PETSC_MAX_INT));
-  }
+  PetscCall(allow_linear_failures(context));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -81,7 +81,6 @@ PetscErrorCode sample(SolveContext &context, const Line &line, const Plane &plan
 
 bool searches_plane(SolveContext &context, const Line &line) {
   if (context.options.search != "subspace" || line.lifted || !line.has_objective) return false;
-  if (context.history.empty()) context.trusted = context.options.trust_start;
   context.trusted = context.trusted ||
                     (!context.history.empty() &&
                      std::abs(context.history.back().rho - 1) < context.options.rule.rho_tolerance);

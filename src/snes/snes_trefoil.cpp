@@ -34,6 +34,7 @@ PetscErrorCode SNESSolve_Trefoil(SNES snes) {
   SolveContext *context = nullptr;
   PetscFunctionBegin;
   PetscCall(trefoil::get_solve_context(snes, &context));
+  context->running = false;  // also where the last solve ended in an error
   PetscCall(trefoil::begin_solve(*context));
   PetscCall(trefoil::install_jacobian(*context));
   PetscCall(newton_operations.solve(snes));

@@ -62,14 +62,20 @@ PetscErrorCode begin_solve(SolveContext &context) {
   PetscFunctionBeginUser;
   if (context.running) PetscFunctionReturn(PETSC_SUCCESS);
   context.running = true;
-  context.clock.start(Phase::assembly);  // the first residual
+  context.clock.start(Phase::assembly);          // the first residual
+  const double weight = context.current.weight;  // of the Jacobian, which a SNES may keep
   context.current = IterationRecord{};
+  context.current.weight = weight;
+  context.jacobian_is_new = false;
+  context.instead_of_rejected.reset();
   context.history.clear();
   context.summary = SolveSummary{};
   context.energy_state = -1;
   context.energy = 0;
   context.unfiltered = {};
   context.previous_step_known = false;
+  PetscCall(VecDestroy(&context.previous_step));  // the next problem may have another size
+  context.trusted = context.options.trust_start;
   context.boundary_values_open = !context.split_jacobian;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

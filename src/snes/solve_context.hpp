@@ -67,6 +67,8 @@ struct SolveContext {
   std::unique_ptr<Rule> rule;
   /// The weight of a Jacobian that is made once more because it was indefinite.
   std::optional<double> instead_of_rejected;
+  /// -snes_max_linear_solve_fail of before a rule that needs all of them.
+  std::optional<PetscInt> linear_failures;
 
   Mat negative = nullptr;         ///< N, created when the first element is indefinite
   bool negative_present = false;  ///< N is part of the present Jacobian, H + 2 w N
@@ -92,8 +94,9 @@ struct SolveContext {
   bool previous_step_known = false;  ///< in this solve
   bool trusted = false;              ///< the search has begun to use planes, see searches_plane()
 
-  bool running = false;  ///< between the start of a solve and its end
-  bool driven = false;   ///< by our line search; otherwise the Jacobian stays unfiltered
+  bool running = false;          ///< between the start of a solve and its end
+  bool driven = false;           ///< by our line search; otherwise the Jacobian stays unfiltered
+  bool jacobian_is_new = false;  ///< made in this iteration; a SNES may lag it
   PhaseClock clock;
   double head_start = 0;    ///< seconds spent on a starting guess: history counts them
   IterationRecord current;  ///< the iteration under way
@@ -147,6 +150,10 @@ PetscErrorCode release_host_matrix(SolveContext &context);
 PetscErrorCode energy_at(SolveContext &context, Vec x, double *energy);
 /// Says that the energy at x is known to be `energy`.
 PetscErrorCode remember_energy(SolveContext &context, Vec x, double energy);
+
+/// The size of the energy at x: the callback's, or what has been gained since the start.
+/// Collective.
+PetscErrorCode scale_of_energy(SolveContext &context, Vec x, double *scale);
 
 /// Whether the present iteration ends the solve, before its direction is taken.
 /// Newton decrement against the absolute and the relative tolerance. Collective.

@@ -5,9 +5,7 @@
 #include "snes/solve_context.hpp"
 
 namespace trefoil {
-namespace {
 
-/// The size of the energy at x: the callback's, or what has been gained since the start.
 PetscErrorCode scale_of_energy(SolveContext &context, Vec x, double *scale) {
   PetscFunctionBeginUser;
   if (context.energy_scale) {
@@ -19,6 +17,8 @@ PetscErrorCode scale_of_energy(SolveContext &context, Vec x, double *scale) {
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+namespace {
 
 bool energy_test_is_on(const SolveContext &context) {
   const SolverOptions &options = context.options;

@@ -23,17 +23,21 @@ constexpr int most_saddles = 100;  ///< to leave in one solve
 /// A relative energy error of 1e-6 is promised with the default tolerance of 1e-8.
 constexpr double error_over_tolerance = 100;
 
-/// H + 2 w N becomes H, or H becomes H + 2 w N again, and is factored. CHOLMOD calls a matrix that
-/// is not positive definite an error; it is none here.
+/// H + 2 w N becomes H, or H becomes H + 2 w N again, and is factored, also where the SNES lags
+/// its preconditioner. CHOLMOD calls a matrix that is not positive definite an error; it is none
+/// here.
 PetscErrorCode factor(SolveContext &context, double multiple_of_negative, bool *done) {
   Mat matrix = nullptr;
   KSP ksp = nullptr;
   PC solver = nullptr;
+  PetscBool lagged = PETSC_FALSE;
   PetscFunctionBeginUser;
   PetscCall(SNESGetJacobian(context.snes, nullptr, &matrix, nullptr, nullptr));
   PetscCall(SNESGetKSP(context.snes, &ksp));
   PetscCall(KSPGetPC(ksp, &solver));
   PetscCall(add_multiple(matrix, multiple_of_negative, context.negative));
+  PetscCall(PCGetReusePreconditioner(solver, &lagged));
+  PetscCall(PCSetReusePreconditioner(solver, PETSC_FALSE));
   PetscCall(PetscPushErrorHandler(PetscIgnoreErrorHandler, nullptr));
   const PetscErrorCode error = PCSetUp(solver);
   PetscCall(PetscPopErrorHandler());
@@ -41,6 +45,7 @@ PetscErrorCode factor(SolveContext &context, double multiple_of_negative, bool *
              PetscObjectComm(reinterpret_cast<PetscObject>(matrix)), error,
              "the factorisation that verifies the minimum failed; "
              "-snes_trefoil_verify_minimum false goes without it");
+  PetscCall(PCSetReusePreconditioner(solver, lagged));
   *done = !error;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -54,7 +59,11 @@ PetscErrorCode try_factors(SolveContext &context, bool *definite) {
   PetscCall(factor(context, -multiple, &done));
   if (done) PetscCall(ask_factor(context.snes, &says));
   *definite = says == FactorSays::definite;
-  if (!*definite) PetscCall(factor(context, multiple, &done));
+  if (*definite) {
+    context.negative_present = false;  // the Jacobian is H now
+  } else {
+    PetscCall(factor(context, multiple, &done));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -64,14 +73,18 @@ PetscErrorCode classify(SolveContext &context, WorkVectors &work, StationaryPoin
   const bool all_filtered = context.unfiltered.unfiltered() == 0;
   const bool clamped = context.current.weight >= 0.5 && all_filtered;
   Mat filtered = nullptr;
+  KSP ksp = nullptr;
+  PetscBool lagged = PETSC_FALSE;
   FactorSays says = FactorSays::nothing;
   PetscFunctionBeginUser;
   *factored = false;
   PetscCall(ask_factor(context.snes, &says));
+  PetscCall(SNESGetKSP(context.snes, &ksp));
+  PetscCall(KSPGetReusePreconditioner(ksp, &lagged));  // then the factors are an older matrix's
   const bool positive_solver = clamped || says == FactorSays::definite;
   *kind = StationaryPoint::unknown;
   if (!context.negative_present) {  // the Jacobian is H itself
-    if (positive_solver) *kind = StationaryPoint::minimum;
+    if (clamped || (positive_solver && !lagged)) *kind = StationaryPoint::minimum;
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   const Phase phase = context.clock.switch_to(Phase::linear_solve);
@@ -138,8 +151,10 @@ PetscErrorCode finish_by_newton(SolveContext &context, Line &line, bool *lower) 
   PetscCall(dot(line.residual, line.minus_d, &line.slope));
   line.slope = -line.slope;
   context.summary.error_estimate = -line.slope / 2;
-  if (context.summary.error_estimate >
-      error_over_tolerance * options.energy_tolerance * context.summary.energy_scale) {
+  PetscCall(scale_of_energy(context, line.x, &context.summary.energy_scale));
+  if (options.energy_tolerance > 0 &&
+      context.summary.error_estimate >
+          error_over_tolerance * options.energy_tolerance * context.summary.energy_scale) {
     PetscCall(backtrack(context, line, 1, most_trials, lower));
   }
   if (!*lower) PetscCall(VecCopy(filtered_direction, line.minus_d));
@@ -163,9 +178,10 @@ PetscErrorCode verify_minimum(SolveContext &context, Line &line, SNESConvergedRe
   PetscFunctionBeginUser;
   *reason = SNES_CONVERGED_SNORM_RELATIVE;
   if (!verification_is_on(context.options)) PetscFunctionReturn(PETSC_SUCCESS);
+  const bool unfiltered = !context.negative_present;
   PetscCall(classify(context, work, &kind, &factored, &found));
   context.summary.end = kind;
-  if (!context.negative_present) context.summary.error_estimate = context.current.decrement;
+  if (unfiltered) context.summary.error_estimate = context.current.decrement;
   if (factored) PetscCall(finish_by_newton(context, line, &lower));
   if (lower) {
     context.summary.end = StationaryPoint::unknown;
