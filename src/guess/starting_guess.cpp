@@ -157,7 +157,7 @@ PetscErrorCode spread_displacements(const EnergyFunctional &functional,
       PetscCall(solver.correct(g, x));
     }
     cost->rotations = rotation_steps;
-    cost->linear_solves = 3 * (1 + rotation_steps);
+    cost->linear_solves = discretization.mesh().dimension * (1 + rotation_steps);
   }
   PetscCall(VecDestroy(&g));
   PetscCall(PetscTime(&end));
