@@ -113,6 +113,8 @@ class LoadSteps(unittest.TestCase):
                          sum(entry["trials"] for entry in history))
         seconds = [entry["seconds"] for entry in history]
         self.assertEqual(seconds, sorted(seconds))
+        self.assertLessEqual(seconds[-1], path["time"]["total"])
+        self.assertEqual(path["result"]["energy_start"], history[0]["energy"])
         # Halfway there, and of each step's equilibria the next one is the start.
         middle = [entry for entry in history if entry["load_step"] == 1][-1]
         self.assertLess(abs(middle["energy"]), 0.9 * abs(energy(path)))

@@ -12,6 +12,7 @@
 #include "mesh/mesh.hpp"
 #include "mesh/quadratic.hpp"
 #include "petsc_compatibility.hpp"
+#include "term/dead_load_term.hpp"
 
 namespace trefoil {
 namespace {
@@ -143,6 +144,22 @@ TEST_P(LoadsTest, GravityThatDependsOnPlaceAndTime) {
   expect_moment(in_space() ? Vector{-0.5, 0.75, -0.25} : Vector{0, 0, -0.25});
 }
 
+TEST_P(LoadsTest, TheFacetsOfALoadMayDependOnTime) {
+  const std::string traction = in_dimension("2, -3", "5");
+  evaluate({"", {{"side", "x == 2*t", traction}}}, 0.5);
+  expect_force({2, -3, in_space() ? 5. : 0.});
+  evaluate({"", {{"side", "x == 2*t", traction}}}, 0);
+  EXPECT_NEAR(work([](const double *p) { return Vector{p[0], 0, 0}; }), 0, 1e-13);
+}
+
+TEST_P(LoadsTest, LoadsAddUp) {
+  const std::string pull = in_dimension("2, -3", "5"), push = in_dimension("-1, 1", "0");
+  evaluate(
+      {in_dimension("7, 0", "0"),
+       {{"right", "x == xmax", pull}, {"left", "x == xmin", push}, {"top", "y == ymax", pull}}});
+  expect_force({10, -5, in_space() ? 10. : 0.});
+}
+
 /// The nodes of a quadratic side of constant traction: 1/6, 2/3, 1/6 of an edge's force, and of a
 /// triangle's none at the corners and a third at each midpoint.
 TEST_P(LoadsTest, QuadraticSidesPullAtTheirMidpoints) {
@@ -155,6 +172,19 @@ TEST_P(LoadsTest, QuadraticSidesPullAtTheirMidpoints) {
     return Vector{is_corner(p) ? 1. : 0., 0, 0};
   });
   EXPECT_NEAR(corners, in_space() ? 0 : 1. / 3, 1e-13);
+}
+
+TEST(DeadLoadTermTest, TheScaleIsTheWorkOfEachVertexWhateverItsSign) {
+  const DeadLoadTerm term({1, 0, 2, 0, -2, 0});
+  const double u[6] = {3, 5, 1, 7, 4, 9};
+  EnergySums sums;
+  term.add_energy(u, &sums);
+  EXPECT_EQ(sums.energy, -(3 + 2) + 8);
+  EXPECT_EQ(sums.scale, 5 + 8);
+  double gradient[6] = {10, 10, 10, 10, 10, 10};
+  term.add_gradient(u, gradient);
+  const double expected[6] = {9, 10, 8, 10, 12, 10};
+  for (int k = 0; k < 6; ++k) EXPECT_EQ(gradient[k], expected[k]) << k;
 }
 
 INSTANTIATE_TEST_SUITE_P(Elements, LoadsTest,

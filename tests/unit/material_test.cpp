@@ -160,6 +160,15 @@ TEST_P(MaterialTest, NotANumberStaysOne) {
 
 INSTANTIATE_TEST_SUITE_P(All, MaterialTest, testing::ValuesIn(all_cases()), case_name);
 
+TEST(BarrierTest, EnergiesAreInfiniteWhereTheVolumeIsNotPositive) {
+  for (const Case &each : all_cases()) {
+    if (each.candidate.room != to_inversion) continue;
+    for (const Matrix &F : {diagonal(1, 1, -1), diagonal(1.3, 0.8, -0.5), diagonal(-1, -1, -1),
+                            diagonal(1.2, 0.8, 0), diagonal(1.5, 0, 0), diagonal(0, 0, 0)})
+      EXPECT_EQ(each.material().energy_density(F), std::numeric_limits<double>::infinity()) << each;
+  }
+}
+
 // Where two stretches of an inverted F nearly cancel, the rotation turns with the twist of their
 // directions by one over their sum, but by no more than 1e6.
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 
@@ -110,6 +111,41 @@ TEST_P(QuadraticMeshTest, CellsThatAreBentTooFarAreNamed) {
 
 INSTANTIATE_TEST_SUITE_P(Meshes, QuadraticMeshTest, testing::Values("square", "box", "ball"),
                          [](const auto &each) { return std::string(each.param); });
+
+/// Of the octahedron's three diagonals the shortest becomes an edge, and no other.
+TEST(RefinementTest, CutsOctahedraAlongTheirShortestDiagonal) {
+  const double shapes[3][3] = {{1, -1, 0.5}, {1, 1, 0.5}, {-1, 1, 0.5}};  // the fourth corner
+  std::set<std::size_t> chosen;
+  for (const auto &last : shapes) {
+    CellList mesh;
+    mesh.coordinates = {0, 0, 0, 1, 0, 0, 0, 1, 0, last[0], last[1], last[2]};
+    mesh.cells = {0, 1, 2, 3};
+    promote_to_quadratic(mesh);
+    const std::vector<PetscInt> node = mesh.cells;
+    const std::vector<double> x = mesh.coordinates;
+    mesh.cells = {0, 1, 2, 3};
+    mesh.coordinates.resize(12);
+    mesh.order = 1;
+    refine_uniformly(mesh);
+    ASSERT_EQ(mesh.coordinates, x);
+    const std::size_t diagonals[3][2] = {{4, 9}, {5, 7}, {6, 8}};  // midpoints of opposite edges
+    double lengths[3] = {};
+    bool found[3] = {};
+    for (std::size_t d = 0; d < 3; ++d) {
+      const PetscInt a = node[diagonals[d][0]], b = node[diagonals[d][1]];
+      for (std::size_t i = 0; i < 3; ++i)
+        lengths[d] += std::pow(
+            x[static_cast<std::size_t>(3 * a) + i] - x[static_cast<std::size_t>(3 * b) + i], 2);
+      for (auto cell = mesh.cells.begin(); cell != mesh.cells.end(); cell += 4)
+        found[d] = found[d] || (std::count(cell, cell + 4, a) && std::count(cell, cell + 4, b));
+    }
+    const auto shortest =
+        static_cast<std::size_t>(std::min_element(lengths, lengths + 3) - lengths);
+    for (std::size_t d = 0; d < 3; ++d) EXPECT_EQ(found[d], d == shortest) << d;
+    chosen.insert(shortest);
+  }
+  EXPECT_EQ(chosen.size(), 3u);
+}
 
 TEST(PlaneMesh, TrianglesAreTurnedAnticlockwise) {
   CellList mesh = generate_mesh("square", 2, 0);
