@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 
 #include "element/isoparametric_element.hpp"
@@ -76,6 +77,26 @@ TEST_P(QuadraticMeshTest, RefinementKeepsTheVolumeAndHalvesTheEdges) {
   EXPECT_EQ(mesh.vertices(), promoted.vertices());
 }
 
+TEST_P(QuadraticMeshTest, ChildrenAreInTheirParentsGroup) {
+  CellList mesh = linear_;
+  for (PetscInt c = 0; c < mesh.size(); ++c) mesh.groups.push_back(1 + c % 3);
+  std::map<PetscInt, double> before, after;  // the volume of each group
+  const auto add_up = [](const CellList &list, std::map<PetscInt, double> &volumes) {
+    ASSERT_EQ(list.groups.size(), static_cast<std::size_t>(list.size()));
+    CellList alone{list.dim, list.order, list.coordinates, {}};
+    for (PetscInt c = 0; c < list.size(); ++c) {
+      const auto cell = list.cells.begin() + c * list.nodes_per_cell();
+      alone.cells.assign(cell, cell + list.nodes_per_cell());
+      volumes[list.groups[static_cast<std::size_t>(c)]] += measure(alone).volume;
+    }
+  };
+  add_up(mesh, before);
+  refine_uniformly(mesh);
+  add_up(mesh, after);
+  ASSERT_EQ(before.size(), 3u);
+  for (const auto &[group, volume] : before) EXPECT_NEAR(after[group] / volume, 1, 1e-12) << group;
+}
+
 TEST_P(QuadraticMeshTest, OrderAlongTheCurveIsTheSameMesh) {
   CellList mesh = linear_;
   promote_to_quadratic(mesh);
@@ -104,7 +125,14 @@ TEST_P(QuadraticMeshTest, CellsThatAreBentTooFarAreNamed) {
   } catch (const InputError &error) {
     const std::string sentence = error.what();
     EXPECT_NE(sentence.find("the mesh: "), std::string::npos) << sentence;
-    EXPECT_NE(sentence.find(mesh.dim == 2 ? "triangle " : "tetrahedron "), std::string::npos);
+    const std::string kind = mesh.dim == 2 ? "triangle " : "tetrahedron ";
+    ASSERT_NE(sentence.find(kind), std::string::npos) << sentence;
+    const std::size_t number = std::stoul(sentence.substr(sentence.find(kind) + kind.size()));
+    ASSERT_GE(number, 1u);  // they are counted from 1
+    CellList named = mesh;
+    named.cells.assign(mesh.cells.begin() + static_cast<std::ptrdiff_t>(width * (number - 1)),
+                       mesh.cells.begin() + static_cast<std::ptrdiff_t>(width * number));
+    EXPECT_LE(measure(named).least_jacobian, 0) << sentence;
     EXPECT_NE(sentence.find("Jacobian"), std::string::npos) << sentence;
   }
 }
