@@ -8,7 +8,7 @@ namespace trefoil {
 
 /// What a starting guess cost.
 struct GuessCost {
-  PetscInt linear_solves = 0;  ///< with scalar matrices of a third of the unknowns
+  PetscInt linear_solves = 0;  ///< with scalar matrices, of one component each
   PetscInt rotations = 0;      ///< local/global steps
   double seconds = 0;
 };

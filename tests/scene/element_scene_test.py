@@ -65,9 +65,14 @@ class ClosedForm(unittest.TestCase):
         s = lame * alpha * long / (mu + lame * long ** 2)
         expected = (mu / 2 * (s ** 2 + long ** 2 + 1 - 3) + lame / 2 * (s * long - alpha) ** 2)
         for order in "12":
-            record = record_of(SLIDING + TIGHT + ["-material_young", str(young), "-order", order,
-                                                  "-material_poisson", str(poisson)], 2)
-            self.assertLess(abs(energy(record) / expected - 1), 1e-10)
+            scene = SLIDING + TIGHT + ["-material_young", str(young), "-order", order,
+                                       "-material_poisson", str(poisson)]
+            self.assertLess(abs(energy(record_of(scene, 2)) / expected - 1), 1e-10)
+            for ranks in (1, 2):
+                there = record_of(scene + ["-initial", "expression", "-initial_displacement",
+                                           f"{s - 1!r}*x, 0.5*y"], ranks)
+                self.assertLess(abs(there["history"][0]["energy"] / expected - 1), 1e-12)
+                self.assertEqual(there["result"]["iterations"], 1)
 
 
 class RecordAndFields(unittest.TestCase):

@@ -39,6 +39,28 @@ class Loads(unittest.TestCase):
             scale = record["result"]["energy_scale"]
             self.assertLess(abs(scale / (-3 * energy(record)) - 1), 0.02)
 
+    def test_every_element(self):
+        """The same spring and column of triangles and quadratic elements, which know the column's
+        parabola: -(rho g)^2/(6 young)."""
+        for order in ("1", "2"):
+            plane = ["-mesh_generate", "square", "-mesh_resolution", "4", "-order", order,
+                     "-constraints", "floor,wall", "-constraint_floor_where", "y == ymin",
+                     "-constraint_floor_move", "free, 0", "-constraint_wall_where", "x == xmin",
+                     "-constraint_wall_move", "0, free", *TIGHT, *SPRING, "-material_young",
+                     str(self.young)]
+            for scene, zeros, top in ((plane, "0", "y == ymax"),
+                                      (self.scene("-order", order), "0, 0", "z == zmax")):
+                with self.subTest(order=order, dimension=zeros.count("0") + 1):
+                    pulled = record_of(scene + ["-loads", "top", "-load_top_where", top,
+                                                "-load_top_traction", zeros + ", 2e5"], 2)
+                    self.assertLess(abs(energy(pulled) / (-2e5 ** 2 / (2 * self.young)) - 1), 1e-10)
+                    if order == "1":
+                        continue
+                    column = record_of(scene + ["-material_density", "1e3", "-load_gravity",
+                                                zeros + ", 9.81"], 2)
+                    expected = -9810 ** 2 / (6 * self.young)
+                    self.assertLess(abs(energy(column) / expected - 1), 1e-9)
+
     def test_each_region_has_its_mass(self):
         heavy = ["-regions", "low", "-region_low_where", "z < 0.5"]
         pull = ["-load_gravity", "0, 0, 9.81"]
@@ -91,6 +113,8 @@ class LoadSteps(unittest.TestCase):
                          sum(entry["trials"] for entry in history))
         seconds = [entry["seconds"] for entry in history]
         self.assertEqual(seconds, sorted(seconds))
+        self.assertLessEqual(seconds[-1], path["time"]["total"])
+        self.assertEqual(path["result"]["energy_start"], history[0]["energy"])
         # Halfway there, and of each step's equilibria the next one is the start.
         middle = [entry for entry in history if entry["load_step"] == 1][-1]
         self.assertLess(abs(middle["energy"]), 0.9 * abs(energy(path)))

@@ -29,9 +29,10 @@ struct Guess {
   OwnedMat H;
   GuessCost cost;
 
-  PetscErrorCode make(MPI_Comm comm, const Holding &holding, const Field &moved, PetscInt steps) {
+  PetscErrorCode make(MPI_Comm comm, const Holding &holding, const Field &moved, PetscInt steps,
+                      const char *mesh = "box") {
     PetscFunctionBeginUser;
-    PetscCall(body.set_up(comm, generate_mesh("box", 4, 0), holding, moved));
+    PetscCall(body.set_up(comm, generate_mesh(mesh, 4, 0), holding, moved));
     PetscCall(body.discretization.create_vector(&x));
     PetscCall(body.discretization.create_matrix(&H));
     PetscCall(spread_displacements(*body.functional, body.discretization, H, steps, x, &cost));
@@ -59,6 +60,18 @@ TEST(GuessTest, AffineDisplacementsAreHarmonic) {
   ASSERT_EQ(guess.make(PETSC_COMM_WORLD, surface, affine, 0), PETSC_SUCCESS);
   EXPECT_LT(guess.distance(affine), 1e-12);
   EXPECT_EQ(guess.cost.linear_solves, 3);
+}
+
+TEST(GuessTest, ThePlaneHasTwoComponents) {
+  const Holding rim = [](const double *p, int) {
+    return p[0] < 1e-9 || p[0] > 1 - 1e-9 || p[1] < 1e-9 || p[1] > 1 - 1e-9;
+  };
+  Guess harmonic, rigid;
+  ASSERT_EQ(harmonic.make(PETSC_COMM_WORLD, rim, affine, 0, "square"), PETSC_SUCCESS);
+  EXPECT_LT(harmonic.distance(affine), 1e-12);
+  EXPECT_EQ(harmonic.cost.linear_solves, 2);
+  ASSERT_EQ(rigid.make(PETSC_COMM_WORLD, rim, affine, 3, "square"), PETSC_SUCCESS);
+  EXPECT_EQ(rigid.cost.linear_solves, 2 * (1 + 3));
 }
 
 TEST(GuessTest, TheHarmonicExtensionHasNoForces) {

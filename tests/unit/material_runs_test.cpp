@@ -5,11 +5,14 @@
 
 #include <gtest/gtest.h>
 
+#include "element/isoparametric_element.hpp"
 #include "filter/reduced_filter.hpp"
 #include "material/material_registry.hpp"
 #include "matrix3_support.hpp"
 #include "mesh/generate.hpp"
+#include "mesh/quadratic.hpp"
 #include "term/elastic_term.hpp"
+#include "term/element_term.hpp"
 
 namespace trefoil::test {
 namespace {
@@ -149,6 +152,123 @@ TEST_F(MaterialRunsTest, SpreadingKeepsTheStiffness) {
     EXPECT_NEAR(spreading.stiffness_of(cell) / runs.stiffness_of(cell), 1, 1e-12) << cell;
   EXPECT_GT(runs.stiffness_of(1), 1e5 * runs.stiffness_of(0));
 }
+
+/// Bodies of triangles and quadratic elements, the latter bent, whose packs several materials
+/// share.
+class ElementRunsTest : public testing::TestWithParam<std::pair<const char *, int>> {
+ protected:
+  ElementRunsTest() {
+    CellList whole = generate_mesh(GetParam().first, 3, 0);
+    const auto corners = whole.coordinates.size();
+    if (GetParam().second == 2) promote_to_quadratic(whole);
+    mesh_.dimension = whole.dim;
+    mesh_.nodes_per_cell = whole.nodes_per_cell();
+    mesh_.cells = whole.cells;
+    mesh_.coordinates = whole.coordinates;
+    Random random(8);
+    for (std::size_t k = 0; k < whole.coordinates.size(); ++k) {
+      const bool in_plane = static_cast<int>(k % 3) < whole.dim;
+      if (k >= corners && in_plane) mesh_.coordinates[k] += 0.01 * random.uniform();
+      u_.push_back(in_plane ? 0.01 * random.uniform() : 0);
+    }
+    for (PetscInt c = 0; c < mesh_.local_cells(); ++c) material_of_cell_.push_back(c % 3);
+  }
+
+  [[nodiscard]] ElementTerm term(FilterSpace space) const {
+    std::vector<std::unique_ptr<MaterialModel>> materials;
+    for (std::size_t m = 0; m < names.size(); ++m) materials.push_back(material(m));
+    return {mesh_, MaterialRuns(std::move(materials), material_of_cell_), space};
+  }
+  [[nodiscard]] const PetscInt *nodes(std::size_t cell) const {
+    return &mesh_.cells[static_cast<std::size_t>(mesh_.nodes_per_cell) * cell];
+  }
+  /// The numbers of a cell's nodes, three each.
+  [[nodiscard]] std::vector<double> of_cell(const std::vector<double> &all,
+                                            std::size_t cell) const {
+    std::vector<double> own;
+    for (int a = 0; a < mesh_.nodes_per_cell; ++a)
+      for (int i = 0; i < 3; ++i)
+        own.push_back(all[static_cast<std::size_t>(3 * nodes(cell)[a] + i)]);
+    return own;
+  }
+
+  Mesh mesh_;
+  std::vector<double> u_;
+  std::vector<int> material_of_cell_;
+};
+
+TEST_P(ElementRunsTest, SumsAndCellsAreThoseOfTheQuadraturePoints) {
+  const ElementTerm body = term(FilterSpace::element);
+  const std::size_t cells = material_of_cell_.size();
+  EnergySums sums, expected;
+  std::vector<double> determinants(cells), densities(cells);
+  body.add_energy(u_.data(), &sums);
+  body.describe_cells(u_.data(), determinants.data(), densities.data());
+  double spread = 0;
+  for (std::size_t c = 0; c < cells; ++c) {
+    const auto model = material(static_cast<std::size_t>(material_of_cell_[c]));
+    const IsoparametricElement element(reference_element(mesh_.dimension, mesh_.nodes_per_cell),
+                                       of_cell(mesh_.coordinates, c).data());
+    const double rest = model->energy_density(diagonal(1, 1, 1));
+    Tangent<double> A;
+    model->tangent(diagonal(1, 1, 1), A);
+    double least = 1e300, most = -1e300, energy = 0, volume = 0, stiffness = 0;
+    for (std::size_t p = 0; p < 9; ++p) stiffness += A[10 * p] / 9;
+    for (int q = 0; q < element.reference().points; ++q) {
+      const Matrix F = element.deformation_gradient(q, of_cell(u_, c).data());
+      const double psi = model->energy_density(F), weight = element.weight(q);
+      least = std::min(least, determinant(F));
+      most = std::max(most, determinant(F));
+      energy += weight * psi;
+      volume += weight;
+      expected.scale += weight * std::abs(psi - rest);
+    }
+    expected.energy += energy;
+    expected.stiffness += volume * stiffness;
+    spread = std::max(spread, most - least);
+    EXPECT_NEAR(determinants[c], least, 1e-13) << c;
+    EXPECT_NEAR(densities[c] / (energy / volume), 1, 1e-10) << c;
+  }
+  EXPECT_NEAR(sums.energy / expected.energy, 1, 1e-12);
+  EXPECT_NEAR(sums.scale / expected.scale, 1, 1e-12);
+  EXPECT_NEAR(sums.stiffness / expected.stiffness, 1, 1e-12);
+  if (GetParam().second == 2) {
+    EXPECT_GT(spread, 0.01) << "the points of a cell are all alike";
+  }
+}
+
+TEST_P(ElementRunsTest, WhatIsNotFiniteAtAPointIsSoInItsElement) {
+  const ElementTerm body = term(FilterSpace::deformation);
+  const PackedElements &packed = *body.packed_elements();
+  const PetscInt packs = packed.packs(), node = nodes(material_of_cell_.size() - 1)[0];
+  std::vector<double> K(static_cast<std::size_t>(packs * packed.entries() * lanes)), N(K.size());
+  std::vector<int> before(static_cast<std::size_t>(packs * lanes)), after(before.size());
+  const auto split = [&](std::vector<int> &negative) {
+    packed.hessians(0, packs, u_.data(), K.data());
+    return packed.split(0, packs, u_.data(), K.data(), N.data(), negative.data());
+  };
+  EXPECT_EQ(split(before).status, SplitStatus::ok);
+  u_[static_cast<std::size_t>(3 * node)] = std::numeric_limits<double>::quiet_NaN();
+  const SplitResult result = split(after);
+  EXPECT_EQ(result.status, SplitStatus::not_finite);
+  int first = -1, indefinite = 0;
+  for (std::size_t c = 0; c < material_of_cell_.size(); ++c) {
+    const bool touched = std::count(nodes(c), nodes(c) + mesh_.nodes_per_cell, node) > 0;
+    EXPECT_EQ(after[c], touched ? -1 : before[c]) << c;
+    if (touched && first < 0) first = static_cast<int>(c);
+  }
+  for (const int count : after) indefinite += count > 0;
+  EXPECT_EQ(result.first_bad, first / lanes * lanes) << "its pack's first";
+  EXPECT_EQ(result.indefinite, indefinite);
+}
+
+INSTANTIATE_TEST_SUITE_P(Elements, ElementRunsTest,
+                         testing::Values(std::pair{"square", 1}, std::pair{"square", 2},
+                                         std::pair{"box", 2}),
+                         [](const auto &each) {
+                           return std::string(each.param.first) + "_order_" +
+                                  std::to_string(each.param.second);
+                         });
 
 }  // namespace
 }  // namespace trefoil::test

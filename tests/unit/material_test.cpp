@@ -160,5 +160,86 @@ TEST_P(MaterialTest, NotANumberStaysOne) {
 
 INSTANTIATE_TEST_SUITE_P(All, MaterialTest, testing::ValuesIn(all_cases()), case_name);
 
+TEST(BarrierTest, EnergiesAreInfiniteWhereTheVolumeIsNotPositive) {
+  for (const Case &each : all_cases()) {
+    if (each.candidate.room != to_inversion) continue;
+    for (const Matrix &F : {diagonal(1, 1, -1), diagonal(1.3, 0.8, -0.5), diagonal(-1, -1, -1),
+                            diagonal(1.2, 0.8, 0), diagonal(1.5, 0, 0), diagonal(0, 0, 0)})
+      EXPECT_EQ(each.material().energy_density(F), std::numeric_limits<double>::infinity()) << each;
+  }
+}
+
+// Where two stretches of an inverted F nearly cancel, the rotation turns with the twist of their
+// directions by one over their sum, but by no more than 1e6.
+
+struct Cancelling {
+  double longest, other, sum;  ///< stretches longest, other and sum - other
+
+  [[nodiscard]] double trace_of_strain() const { return longest + sum - 3; }
+  /// The sum over the three twists of 1 / (sum of its stretches), as it counts.
+  [[nodiscard]] double turning() const {
+    const double last = sum - other;
+    return 1 / std::max(longest + other, 1e-6) + 1 / std::max(longest + last, 1e-6) +
+           1 / std::max(sum, 1e-6);
+  }
+};
+
+const std::vector<Cancelling> cancelling{{1.3, 0.8, 0},    {1.3, 0.8, 1e-12},  {1.3, 0.8, 1e-9},
+                                         {1.3, 0.8, 9e-7}, {1.3, 0.8, 1.1e-6}, {1.3, 0.8, 1e-4},
+                                         {2, 0, 0},        {2, 3e-7, 5e-7},    {1, 1, 0},
+                                         {0.5, 0.5, 3e-7}, {0, 0, 0},          {4e-7, 3e-7, 2e-7}};
+
+/// A tangent by its numbers: finite, symmetric, and of the trace that it should have.
+void expect_tangent(const Tangent<double> &A, double trace, const Cancelling &state) {
+  double sum = 0;
+  for (std::size_t p = 0; p < 9; ++p) {
+    sum += A[10 * p];
+    for (std::size_t q = 0; q < p; ++q) {
+      ASSERT_TRUE(std::isfinite(A[9 * p + q]));
+      EXPECT_NEAR(A[9 * p + q], A[9 * q + p], 1e-15 * norm(A));
+    }
+  }
+  EXPECT_NEAR(sum / trace, 1, 1e-9) << state.longest << ' ' << state.other << ' ' << state.sum;
+}
+
+/// The twist of the second and the third direction, of length one, is an eigenvector.
+void expect_twist(const Tangent<double> &A, double eigenvalue, const Matrix &U, const Matrix &V) {
+  Matrix twist;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      twist(i, j) = std::sqrt(0.5) * (U(i, 1) * V(j, 2) - U(i, 2) * V(j, 1));
+  EXPECT_LE(norm(along(test::apply(A, twist), -eigenvalue, twist)), 1e-6 * std::abs(eigenvalue));
+}
+
+TEST(CancellingStretchesTest, TangentsGrowToWhatTheClampAllows) {
+  Random random(6);
+  const MaterialParameters parameters{{3, 0.4}, 0.0};  // without a volume term
+  const double mu = parameters.constants.mu(), lambda = parameters.constants.lambda();
+  const Arap arap(parameters);
+  const Corotated corotated(parameters);
+  for (const Cancelling &state : cancelling) {
+    for (int turn = 0; turn < 20; ++turn) {
+      const Matrix U = random.rotation(), V = random.rotation();
+      Matrix transposed;
+      for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) transposed(i, j) = V(j, i);
+      const Matrix F =
+          U * diagonal(state.longest, state.other, state.sum - state.other) * transposed;
+      Tangent<double> A;
+      arap.tangent(F, A);
+      // A = 2 mu I - 2 mu dR/dF; a twist's square is 2.
+      expect_tangent(A, 18 * mu - 4 * mu * state.turning(), state);
+      const bool known = state.other >= 0.5 && state.other < state.longest && state.sum >= 1e-9;
+      const double turning = 2 / std::max(state.sum, 1e-6);
+      if (known) expect_twist(A, 2 * mu - 2 * mu * turning, U, V);
+      // A = 2 mu I + lambda R (x) R + (lambda tr - 2 mu) dR/dF, and |R|^2 = 3.
+      const double factor = lambda * state.trace_of_strain() - 2 * mu;
+      corotated.tangent(F, A);
+      expect_tangent(A, 18 * mu + 3 * lambda + 2 * factor * state.turning(), state);
+      if (known) expect_twist(A, 2 * mu + factor * turning, U, V);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace trefoil::test

@@ -165,6 +165,25 @@ TEST_P(PackedFilterTest, NotANumberStaysWithItsMatrix) {
   }
 }
 
+TEST_P(PackedFilterTest, TheFirstBadMatrixIsCountedFromTheBeginning) {
+  // Long batches are split in stretches.
+  constexpr std::size_t packs = 150, bad = 1003, worse = 1101;
+  std::vector<double> K(packs * entries_ * 8, 0), N(K.size());
+  std::vector<int> negative(packs * 8);
+  for (std::size_t m = 0; m < packs * 8; ++m)
+    for (std::size_t i = 0; i < rows_; ++i)
+      K[(m / 8 * entries_ + i * (i + 1) / 2 + i) * 8 + m % 8] =
+          m == bad || m == worse ? std::numeric_limits<double>::infinity() : 1;
+  ReducedSplitExperiment experiment{std::get<1>(GetParam())};
+  const SplitResult result =
+      split_packed(n_, packs, K.data(), N.data(), negative.data(), experiment);
+  EXPECT_EQ(result.status, SplitStatus::not_finite);
+  EXPECT_EQ(result.first_bad, static_cast<int>(bad));
+  EXPECT_EQ(result.indefinite, 0);
+  for (std::size_t m = 0; m < packs * 8; ++m)
+    EXPECT_EQ(negative[m], m == bad || m == worse ? -1 : 0) << m;
+}
+
 TEST(PackedFilter, OtherSizesAreRefused) {
   double K[8] = {}, N[8];
   int negative[8];

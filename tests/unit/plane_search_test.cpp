@@ -44,6 +44,130 @@ struct Pulled : Host {
   [[nodiscard]] double energy() const { return record.at("result").at("energy"); }
 };
 
+/// A plane that the search has asked for the energies of. Whole on every rank.
+struct AskedPlane {
+  std::vector<double> x, direction[2];
+  int directions = 0;
+};
+
+struct Recorder {
+  Chain *chain;
+  std::vector<AskedPlane> planes;
+};
+
+PetscErrorCode record_planes(SNES snes, Vec x, PetscInt directions, const Vec d[], PetscInt points,
+                             const PetscReal coefficients[], PetscReal changes[], void *ctx) {
+  auto &recorder = *static_cast<Recorder *>(ctx);
+  AskedPlane plane;
+  PetscFunctionBeginUser;
+  PetscCall(
+      chain_energy_changes(snes, x, directions, d, points, coefficients, changes, recorder.chain));
+  PetscCall(whole(x, &plane.x));
+  for (PetscInt k = 0; k < directions; ++k) PetscCall(whole(d[k], &plane.direction[k]));
+  plane.directions = static_cast<int>(directions);
+  recorder.planes.push_back(std::move(plane));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+double dot(const std::vector<double> &a, const std::vector<double> &b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
+  return sum;
+}
+
+/// a + s b.
+std::vector<double> along(std::vector<double> a, double s, const std::vector<double> &b) {
+  for (std::size_t i = 0; i < a.size(); ++i) a[i] += s * b[i];
+  return a;
+}
+
+/// A u of a dense matrix.
+std::vector<double> times(const std::vector<double> &A, const std::vector<double> &u) {
+  std::vector<double> result;
+  for (std::size_t i = 0; i < u.size(); ++i)
+    result.push_back(dot({A.begin() + static_cast<std::ptrdiff_t>(i * u.size()),
+                          A.begin() + static_cast<std::ptrdiff_t>((i + 1) * u.size())},
+                         u));
+  return result;
+}
+
+TEST(PlaneSearchTest, ThePlaneIsThatOfTheDirectionAndThePreviousStep) {
+  Pulled host("subspace");
+  host.option("snes_trefoil_trust_start", "true");
+  host.option("snes_trefoil_corrections", "0");  // one plane and one matrix an iteration
+  ASSERT_EQ(host.set_up(), PETSC_SUCCESS);
+  Recorder recorder{&host.chain, {}};
+  ASSERT_EQ(TrefoilSNESSetEnergyChanges(host.snes, record_planes, &recorder), PETSC_SUCCESS);
+  ASSERT_EQ(host.solve(concave_start(host.chain)), PETSC_SUCCESS);
+  const std::vector<AskedPlane> &planes = recorder.planes;
+  ASSERT_GE(planes.size(), 4u);
+  EXPECT_EQ(planes[0].directions, 1);  // no step before
+  for (std::size_t k = 0; k < planes.size(); ++k) {
+    const auto &[x, direction, directions] = planes[k];
+    const std::vector<double> g = host.chain.gradient(x), &H = host.linear_solves[k].matrix;
+    // d = -H^-1 g.
+    const double size = std::sqrt(dot(g, g));
+    for (const double residual : along(times(H, direction[0]), 1, g))
+      EXPECT_NEAR(residual, 0, 1e-10 * size) << k;
+    if (k == 0) continue;
+    ASSERT_EQ(directions, 2) << k;
+    const std::vector<double> &p = direction[1], previous = along(x, -1, planes[k - 1].x);
+    const double parallel = dot(p, previous) / std::sqrt(dot(p, p) * dot(previous, previous));
+    EXPECT_NEAR(parallel, 1, 1e-12) << k;
+    EXPECT_NEAR(dot(p, times(H, p)) / dot(direction[0], times(H, direction[0])), 1, 1e-8) << k;
+  }
+}
+
+TEST(PlaneSearchTest, TheStepIsNoWorseThanThePlanesPoints) {
+  Pulled host("subspace");
+  host.option("snes_trefoil_trust_start", "true");
+  host.option("snes_trefoil_corrections", "0");
+  ASSERT_EQ(host.set_up(), PETSC_SUCCESS);
+  Recorder recorder{&host.chain, {}};
+  ASSERT_EQ(TrefoilSNESSetEnergyChanges(host.snes, record_planes, &recorder), PETSC_SUCCESS);
+  ASSERT_EQ(host.solve(concave_start(host.chain)), PETSC_SUCCESS);
+  // The chain's energy is a polynomial of degree four in the plane, so the search knows it: at its
+  // minimum the gradient is at right angles to the plane.
+  const std::vector<AskedPlane> &planes = recorder.planes;
+  int compared = 0;
+  for (std::size_t k = 0; k + 1 < planes.size(); ++k) {
+    const std::vector<double> &next = planes[k + 1].x;
+    const std::vector<double> before = host.chain.gradient(planes[k].x),
+                              after = host.chain.gradient(next);
+    EXPECT_LE(host.chain.energy(next),
+              host.chain.energy(along(planes[k].x, 1, planes[k].direction[0])) + 1e-12)
+        << k;
+    const std::vector<double> step = along(next, -1, planes[k].x);
+    EXPECT_LT(std::abs(dot(after, step)), 1e-5 * std::abs(dot(before, step))) << k;
+    ++compared;
+  }
+  EXPECT_GE(compared, 3);
+}
+
+/// Without the callback the fit is of degree two and misses the plane's minimum, so that the
+/// gradient has a part along the previous step.
+TEST(PlaneSearchTest, RhoIsThatOfTheStepTaken) {
+  for (const bool with_callback : {true, false}) {
+    Pulled host("subspace", "rho");
+    host.option("snes_trefoil_trust_start", "true");
+    host.option("snes_trefoil_corrections", "0");
+    ASSERT_EQ(host.run(with_callback), PETSC_SUCCESS);
+    int compared = 0;
+    for (std::size_t k = 0; k + 1 < host.chain.calls.size(); ++k) {
+      const JacobianCall &call = host.chain.calls[k];
+      const std::vector<double> &next = host.chain.calls[k + 1].x, step = along(next, -1, call.x);
+      const double predicted =
+          -dot(host.chain.gradient(call.x), step) - 0.5 * dot(step, times(call.hessian, step));
+      const double energy = host.chain.energy(call.x);
+      if (std::abs(predicted) < 1e-6 * energy) continue;  // rounding of the energies would decide
+      const double rho = (energy - host.chain.energy(next)) / predicted;
+      EXPECT_NEAR(host.history()[k].at("rho"), rho, 1e-8 * std::max(1.0, std::abs(rho))) << k;
+      ++compared;
+    }
+    EXPECT_GE(compared, 3);
+  }
+}
+
 TEST(PlaneSearchTest, FindsTheSameMinimumWithFewerJacobians) {
   Pulled armijo("armijo"), subspace("subspace");
   subspace.option("snes_trefoil_trust_start", "true");
@@ -76,6 +200,21 @@ TEST(PlaneSearchTest, CountsItsCorrectionsAndSolves) {
     if (k % 3 != 0 && k < static_cast<std::size_t>(3 * (host.result("iterations") - 1))) {
       EXPECT_EQ(host.linear_solves[k].matrix, host.linear_solves[k - 1].matrix) << k;
     }
+  }
+}
+
+TEST(PlaneSearchTest, CorrectionsThatGainLittleAreTheLast) {
+  for (const auto &[gain, most] : {std::pair{"0", 3}, {"1e6", 1}}) {
+    Pulled host("subspace", "gain");
+    host.option("snes_trefoil_trust_start", "true");
+    host.option("snes_trefoil_corrections", "3");
+    host.option("snes_trefoil_correction_gain", gain);
+    ASSERT_EQ(host.run(), PETSC_SUCCESS);
+    EXPECT_GT(host.reason, 0);
+    int found = 0;
+    for (const auto &entry : host.history())
+      found = std::max(found, entry.at("corrections").get<int>());
+    EXPECT_EQ(found, most) << gain;
   }
 }
 

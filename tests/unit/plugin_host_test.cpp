@@ -200,6 +200,77 @@ TEST(OptionsTest, AnotherPrefixIsNobodysTypo) {
   EXPECT_GT(host.reason, 0);
 }
 
+/// What PETSc's monitors see of the steps, and the host's own hand in them.
+struct Steps {
+  Chain *chain;
+  std::vector<std::vector<double>> states;
+  std::vector<double> norms;  ///< of the step to each state
+  double factor = 1;          ///< of the host's on directions
+};
+
+PetscErrorCode look_at_step(SNES snes, PetscInt, PetscReal, void *ctx) {
+  auto &steps = *static_cast<Steps *>(ctx);
+  SNESLineSearch search = nullptr;
+  Vec x = nullptr;
+  PetscReal x_norm = 0, residual_norm = 0, step_norm = 0;
+  PetscFunctionBeginUser;
+  PetscCall(SNESGetSolution(snes, &x));
+  PetscCall(SNESGetLineSearch(snes, &search));
+  PetscCall(SNESLineSearchGetNorms(search, &x_norm, &residual_norm, &step_norm));
+  steps.norms.push_back(step_norm);
+  PetscCall(whole(x, &steps.states.emplace_back()));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode scale_direction(SNESLineSearch, Vec, Vec direction, Vec, PetscBool *changed,
+                               PetscBool *, void *ctx) {
+  PetscFunctionBeginUser;
+  PetscCall(VecScale(direction, static_cast<Steps *>(ctx)->factor));
+  *changed = PETSC_TRUE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+double distance(const std::vector<double> &a, const std::vector<double> &b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
+  return std::sqrt(sum);
+}
+
+TEST(HostTest, TheNormOfTheStepIsThatOfTheOneTaken) {
+  Host host;
+  host.option("snes_trefoil_filter", "clamp");  // whose steps are far too long at first
+  ASSERT_EQ(host.set_up(), PETSC_SUCCESS);
+  Steps steps{&host.chain, {}, {}};
+  ASSERT_EQ(SNESMonitorSet(host.snes, look_at_step, &steps, nullptr), PETSC_SUCCESS);
+  ASSERT_EQ(host.solve(concave_start(host.chain)), PETSC_SUCCESS);
+  EXPECT_LT(host.history()[0].at("step"), 1);
+  ASSERT_GE(steps.states.size(), 4u);
+  for (std::size_t k = 1; k < 4; ++k)
+    EXPECT_NEAR(steps.norms[k] / distance(steps.states[k], steps.states[k - 1]), 1, 1e-10) << k;
+}
+
+TEST(HostTest, ADirectionThatItsPostCheckChangesIsTaken) {
+  for (const double factor : {0.5, 0.25}) {
+    Host host;
+    ASSERT_EQ(host.set_up(), PETSC_SUCCESS);
+    Steps steps{&host.chain, {}, {}, factor};
+    SNESLineSearch search = nullptr;
+    ASSERT_EQ(SNESGetLineSearch(host.snes, &search), PETSC_SUCCESS);
+    ASSERT_EQ(SNESLineSearchSetPostCheck(search, scale_direction, &steps), PETSC_SUCCESS);
+    ASSERT_EQ(SNESMonitorSet(host.snes, look_at_step, &steps, nullptr), PETSC_SUCCESS);
+    ASSERT_EQ(host.solve(convex_start(host.chain)), PETSC_SUCCESS);
+    Host untouched("untouched_");
+    ASSERT_EQ(untouched.set_up(), PETSC_SUCCESS);
+    Steps full{&untouched.chain, {}, {}};
+    ASSERT_EQ(SNESMonitorSet(untouched.snes, look_at_step, &full, nullptr), PETSC_SUCCESS);
+    ASSERT_EQ(untouched.solve(convex_start(untouched.chain)), PETSC_SUCCESS);
+    for (std::size_t i = 0; i < full.states[0].size(); ++i)
+      EXPECT_NEAR(steps.states[1][i] - steps.states[0][i],
+                  factor * (full.states[1][i] - full.states[0][i]), 1e-12);
+    EXPECT_GT(host.reason, 0);
+  }
+}
+
 TEST(OptionsTest, TheSearchTakesItsOwn) {
   Host host;
   host.option("snes_linesearch_shrink", "0.25");

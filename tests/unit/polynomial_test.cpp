@@ -112,6 +112,16 @@ TEST(MinimumTest, OfAParabola) {
   EXPECT_NEAR(found[1], -0.25, 1e-7);
 }
 
+TEST(MinimumTest, OfANarrowValleyAcrossTheAxes) {
+  // Steps along other directions than the valley's own would creep.
+  const Polynomial valley = sampled(2, [](const Point &p) {
+    return std::pow(p[0] + 2 * p[1] - 0.5, 2) + 1e6 * std::pow(2 * p[0] - p[1], 2);
+  });
+  const Point found = valley.minimum_from({1, 0}, 3);
+  EXPECT_NEAR(found[0], 0.1, 1e-6);
+  EXPECT_NEAR(found[1], 0.2, 1e-6);
+}
+
 TEST(MinimumTest, LeavesASaddleAndStaysDownhill) {
   // A double well along x: from the right slope its right minimum, (1, 0), never the hill at 0.
   const Polynomial wells = sampled(

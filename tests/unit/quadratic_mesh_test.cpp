@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 
 #include "element/isoparametric_element.hpp"
@@ -75,6 +77,26 @@ TEST_P(QuadraticMeshTest, RefinementKeepsTheVolumeAndHalvesTheEdges) {
   EXPECT_EQ(mesh.vertices(), promoted.vertices());
 }
 
+TEST_P(QuadraticMeshTest, ChildrenAreInTheirParentsGroup) {
+  CellList mesh = linear_;
+  for (PetscInt c = 0; c < mesh.size(); ++c) mesh.groups.push_back(1 + c % 3);
+  std::map<PetscInt, double> before, after;  // the volume of each group
+  const auto add_up = [](const CellList &list, std::map<PetscInt, double> &volumes) {
+    ASSERT_EQ(list.groups.size(), static_cast<std::size_t>(list.size()));
+    CellList alone{list.dim, list.order, list.coordinates, {}};
+    for (PetscInt c = 0; c < list.size(); ++c) {
+      const auto cell = list.cells.begin() + c * list.nodes_per_cell();
+      alone.cells.assign(cell, cell + list.nodes_per_cell());
+      volumes[list.groups[static_cast<std::size_t>(c)]] += measure(alone).volume;
+    }
+  };
+  add_up(mesh, before);
+  refine_uniformly(mesh);
+  add_up(mesh, after);
+  ASSERT_EQ(before.size(), 3u);
+  for (const auto &[group, volume] : before) EXPECT_NEAR(after[group] / volume, 1, 1e-12) << group;
+}
+
 TEST_P(QuadraticMeshTest, OrderAlongTheCurveIsTheSameMesh) {
   CellList mesh = linear_;
   promote_to_quadratic(mesh);
@@ -103,13 +125,55 @@ TEST_P(QuadraticMeshTest, CellsThatAreBentTooFarAreNamed) {
   } catch (const InputError &error) {
     const std::string sentence = error.what();
     EXPECT_NE(sentence.find("the mesh: "), std::string::npos) << sentence;
-    EXPECT_NE(sentence.find(mesh.dim == 2 ? "triangle " : "tetrahedron "), std::string::npos);
+    const std::string kind = mesh.dim == 2 ? "triangle " : "tetrahedron ";
+    ASSERT_NE(sentence.find(kind), std::string::npos) << sentence;
+    const std::size_t number = std::stoul(sentence.substr(sentence.find(kind) + kind.size()));
+    ASSERT_GE(number, 1u);  // they are counted from 1
+    CellList named = mesh;
+    named.cells.assign(mesh.cells.begin() + static_cast<std::ptrdiff_t>(width * (number - 1)),
+                       mesh.cells.begin() + static_cast<std::ptrdiff_t>(width * number));
+    EXPECT_LE(measure(named).least_jacobian, 0) << sentence;
     EXPECT_NE(sentence.find("Jacobian"), std::string::npos) << sentence;
   }
 }
 
 INSTANTIATE_TEST_SUITE_P(Meshes, QuadraticMeshTest, testing::Values("square", "box", "ball"),
                          [](const auto &each) { return std::string(each.param); });
+
+/// Of the octahedron's three diagonals the shortest becomes an edge, and no other.
+TEST(RefinementTest, CutsOctahedraAlongTheirShortestDiagonal) {
+  const double shapes[3][3] = {{1, -1, 0.5}, {1, 1, 0.5}, {-1, 1, 0.5}};  // the fourth corner
+  std::set<std::size_t> chosen;
+  for (const auto &last : shapes) {
+    CellList mesh;
+    mesh.coordinates = {0, 0, 0, 1, 0, 0, 0, 1, 0, last[0], last[1], last[2]};
+    mesh.cells = {0, 1, 2, 3};
+    promote_to_quadratic(mesh);
+    const std::vector<PetscInt> node = mesh.cells;
+    const std::vector<double> x = mesh.coordinates;
+    mesh.cells = {0, 1, 2, 3};
+    mesh.coordinates.resize(12);
+    mesh.order = 1;
+    refine_uniformly(mesh);
+    ASSERT_EQ(mesh.coordinates, x);
+    const std::size_t diagonals[3][2] = {{4, 9}, {5, 7}, {6, 8}};  // midpoints of opposite edges
+    double lengths[3] = {};
+    bool found[3] = {};
+    for (std::size_t d = 0; d < 3; ++d) {
+      const PetscInt a = node[diagonals[d][0]], b = node[diagonals[d][1]];
+      for (std::size_t i = 0; i < 3; ++i)
+        lengths[d] += std::pow(
+            x[static_cast<std::size_t>(3 * a) + i] - x[static_cast<std::size_t>(3 * b) + i], 2);
+      for (auto cell = mesh.cells.begin(); cell != mesh.cells.end(); cell += 4)
+        found[d] = found[d] || (std::count(cell, cell + 4, a) && std::count(cell, cell + 4, b));
+    }
+    const auto shortest =
+        static_cast<std::size_t>(std::min_element(lengths, lengths + 3) - lengths);
+    for (std::size_t d = 0; d < 3; ++d) EXPECT_EQ(found[d], d == shortest) << d;
+    chosen.insert(shortest);
+  }
+  EXPECT_EQ(chosen.size(), 3u);
+}
 
 TEST(PlaneMesh, TrianglesAreTurnedAnticlockwise) {
   CellList mesh = generate_mesh("square", 2, 0);

@@ -185,7 +185,7 @@ TEST(TikhonovRuleTest, IsAbsoluteWithAFloor) {
   const auto rule = make_rule("tikhonov", {});
   EXPECT_EQ(weights_of_a_solve(*rule, all_ratios),
             std::vector<double>(all_ratios.size() + 1, absolute));
-  EXPECT_GT(rule->floor(), 0);
+  EXPECT_EQ(rule->floor(), 1e-3);
   for (const std::string &name : rule_names()) {
     if (name == "tikhonov") continue;
     EXPECT_EQ(make_rule(name, {})->floor(), 0) << name;
@@ -222,6 +222,15 @@ TEST(ThreeStateRuleTest, IsPatientAfterARejection) {
   EXPECT_EQ(rule->next(trusted_with(clamp, 0.5)), clamp);
   EXPECT_EQ(rule->next(trusted_with(clamp, 0.02)), clamp);
   EXPECT_EQ(rule->next(trusted_with(clamp, 0.005)), 0);
+}
+
+TEST(ThreeStateRuleTest, ForgetsARejectionOfTheLastSolve) {
+  const auto rule = make_rule("three_state", {});
+  rule->first();
+  EXPECT_EQ(rule->rejected(refused_with(0, 1e-6)), clamp);
+  EXPECT_EQ(rule->next(trusted_with(clamp, 1)), clamp);
+  rule->first();
+  EXPECT_EQ(rule->next(trusted_with(clamp, 1)), 0);
 }
 
 TEST(MultiplicativeRuleTest, HalvesAndDoublesWithinItsBounds) {

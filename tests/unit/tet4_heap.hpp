@@ -142,9 +142,26 @@ struct Batched {
   }
 };
 
+/// How much larger the products in the determinant of the edges are than what is left of them: the
+/// rest gradients and the volume are known to eps times this, whoever computes them.
+inline double cancellation(const double *corner) {
+  double products = 0, determinant = 0;
+  for (int j = 0; j < 6; ++j) {
+    double product = j < 3 ? 1 : -1;
+    for (int i = 0; i < 3; ++i) {
+      const int column = j < 3 ? (i + j) % 3 : (3 - i + j) % 3;
+      product *= corner[3 * (column + 1) + i] - corner[i];
+    }
+    products += std::abs(product);
+    determinant += product;
+  }
+  return products / std::abs(determinant);
+}
+
 /// The largest over all elements, relative to the element's stiffness.
 struct Differences {
   double force = 0, hessian = 0, negative = 0;
+  double of_rounding = 0;  ///< of all three, relative to the cancellation at rest as well
 
   Differences() = default;
   Differences(const Heap &heap, const Plain &plain, const Batched &batched) {
@@ -157,15 +174,20 @@ struct Differences {
       const Tet4 tet = heap.element(e);
       const double amplification = 1 + reach * largest(&tet.gradients[0][0], 12);
       const double size = stiffness * amplification;
-      include(difference(&batched.forces[12 * e], &plain.forces[12 * e], 12, size * reach),
-              difference(&batched.hessians[144 * e], H, 144, size),
-              difference(&batched.negatives[144 * e], &plain.negatives[144 * e], 144, size));
+      Differences here;
+      here.force = difference(&batched.forces[12 * e], &plain.forces[12 * e], 12, size * reach);
+      here.hessian = difference(&batched.hessians[144 * e], H, 144, size);
+      here.negative = difference(&batched.negatives[144 * e], &plain.negatives[144 * e], 144, size);
+      here.of_rounding = std::max({here.force, here.hessian, here.negative}) /
+                         cancellation(&heap.mesh.coordinates[12 * e]);
+      include(here);
     }
   }
-  void include(double of_force, double of_hessian, double of_negative) {
-    force = std::max(force, of_force);
-    hessian = std::max(hessian, of_hessian);
-    negative = std::max(negative, of_negative);
+  void include(const Differences &other) {
+    force = std::max(force, other.force);
+    hessian = std::max(hessian, other.hessian);
+    negative = std::max(negative, other.negative);
+    of_rounding = std::max(of_rounding, other.of_rounding);
   }
 };
 
