@@ -29,6 +29,15 @@ std::vector<double> evaluate(const std::string &text, const Mesh &mesh) {
 
 }  // namespace
 
+std::string choose_initial(const SceneOptions &options) {
+  if (options.initial != "auto") return options.initial;
+  bool incompressible = is_nearly_incompressible(options.material);
+  for (const RegionOptions &region : options.regions) {
+    incompressible = incompressible || is_nearly_incompressible(region.material);
+  }
+  return incompressible ? "harmonic" : "arap";
+}
+
 PetscErrorCode set_initial_displacement(const std::string &expression,
                                         const Discretization &discretization, Vec x) {
   const Mesh &mesh = discretization.mesh();

@@ -23,6 +23,9 @@ struct MaterialOptions {
 PetscErrorCode read_material(MPI_Comm comm, OptionReader &reader, const std::string &prefix,
                              MaterialOptions *options);
 
+/// Whether Lame's constants at rest have lambda > 10 mu, a Poisson's ratio above 0.4545.
+bool is_nearly_incompressible(const MaterialOptions &options);
+
 /// The material; read_material() has made sure that there is one.
 std::unique_ptr<MaterialModel> make_material(const MaterialOptions &options);
 

@@ -103,8 +103,8 @@ PetscErrorCode check_values(MPI_Comm comm, const SceneOptions &options) {
   PetscCheck(options.load_steps > 0, comm, PETSC_ERR_USER_INPUT,
              "-load_steps is %" PetscInt_FMT "; give 1 or more", options.load_steps);
   PetscCall(check_files(comm, options));
-  PetscCall(
-      check_choice(comm, "initial", options.initial, {"rest", "harmonic", "arap", "expression"}));
+  PetscCall(check_choice(comm, "initial", options.initial,
+                         {"auto", "rest", "harmonic", "arap", "expression"}));
   PetscCheck((options.initial == "expression") == !options.initial_displacement.empty(), comm,
              PETSC_ERR_USER_INPUT,
              options.initial == "expression"
@@ -149,8 +149,9 @@ PetscErrorCode read_scene_options(MPI_Comm comm, SceneOptions *options) {
   PetscCall(
       reader.text("initial",
                   "Start: rest, prescribed vertices already moved; harmonic: their displacement "
-                  "spread over the body; arap: then as rigid as possible; "
-                  "expression: -initial_displacement",
+                  "spread over the body; arap: then as rigid as possible; auto: arap, but "
+                  "harmonic where a material is nearly incompressible; expression: "
+                  "-initial_displacement",
                   &options->initial));
   PetscCall(reader.integer("initial_steps", "Local/global steps of -initial arap",
                            &options->initial_steps));

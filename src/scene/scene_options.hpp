@@ -29,7 +29,7 @@ struct SceneOptions {
   LoadOptions loads;
   PetscInt load_steps = 1;
   std::vector<ConstraintOptions> constraints;
-  std::string initial = "arap";
+  std::string initial = "auto";
   std::string initial_displacement;  ///< expression with three values, for initial `expression`
   PetscInt initial_steps = 20;       ///< local/global steps of arap
   PetscInt order = 0;  ///< of the elements; 0: as the mesh has it, which generated ones have linear

@@ -163,7 +163,7 @@ PetscErrorCode solve(SNES snes, Vec x) {
 
 /// The state the solve starts from, as -initial says.
 PetscErrorCode make_start(Scene &scene, SolveOutcome *outcome) {
-  const std::string &initial = scene.options.initial;
+  const std::string initial = choose_initial(scene.options);
   PetscFunctionBeginUser;
   if (initial == "expression") {
     PetscCall(set_initial_displacement(scene.options.initial_displacement, scene.discretization,

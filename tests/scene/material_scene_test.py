@@ -114,6 +114,23 @@ class InfiniteStart(unittest.TestCase):
                 self.assertIn(words, result.stdout)
 
 
+class AutomaticStart(unittest.TestCase):
+    def test_volume_is_what_rotations_ignore(self):
+        """Poisson's ratio above 0.4545 (lambda = 10 mu) in any part: no local/global steps."""
+        scene = ENDS + ["-constraint_high_move", "0.3, 0, 0.1"]
+        half = ["-regions", "half", "-region_half_where", "z < 0.5", "-region_half_material_poisson"]
+        for options, initial in ((["-material_poisson", "0.45"], "arap"),
+                                 (["-material_poisson", "0.46"], "harmonic"),
+                                 (["-material_poisson", "0.495", "-material_lame", "raw"], "harmonic"),
+                                 (["-material_model", "mooney_rivlin"], "arap"),
+                                 ([*half, "0.3"], "arap"), ([*half, "0.49"], "harmonic")):
+            with self.subTest(options=options):
+                solves = [record_of(scene + options + more)["result"]["guess_linear_solves"]
+                          for more in ([], ["-initial", initial])]
+                self.assertEqual(solves[0], solves[1])
+                self.assertEqual(solves[0], 3 if initial == "harmonic" else 63)
+
+
 class Regions(unittest.TestCase):
     def test_springs_in_a_row(self):
         """A stiff lower and a soft upper half: the stress is one, the stretches are not."""

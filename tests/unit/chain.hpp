@@ -46,6 +46,8 @@ struct Chain {
   std::function<double(int n, double energy)> disturb_energy;
   /// Spoils the residual where it says so.
   std::function<bool(int n)> spoil_residual;
+  /// Lets the n-th residual (from 1) end in an error where it says so.
+  std::function<bool(int n)> fail_residual;
 
   [[nodiscard]] double anchor_place(PetscInt i) const {
     return place * static_cast<double>(i + 1) * length_unit;
@@ -191,6 +193,8 @@ inline PetscErrorCode chain_gradient(SNES, Vec x, Vec g, void *ctx) {
   PetscCall(whole(x, &values));
   PetscCall(fill(g, chain.gradient(values)));
   ++chain.residuals;
+  if (chain.fail_residual && chain.fail_residual(chain.residuals))
+    SETERRQ(PetscObjectComm(reinterpret_cast<PetscObject>(x)), PETSC_ERR_USER, "as the test asks");
   if (chain.spoil_residual && chain.spoil_residual(chain.residuals))
     PetscCall(VecSet(g, std::numeric_limits<double>::quiet_NaN()));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -14,8 +14,10 @@ nlohmann::json iterations_of(const Host &host) {
 }
 
 /// The result without what differs from run to run.
-nlohmann::json solve_afresh(const std::vector<double> &start, PetscInt vertices) {
+nlohmann::json solve_afresh(const std::vector<double> &start, PetscInt vertices,
+                            const char *search = "armijo") {
   Host host("fresh_");
+  host.option("snes_trefoil_search", search);
   host.chain.vertices = vertices;
   EXPECT_EQ(host.set_up(), PETSC_SUCCESS);
   EXPECT_EQ(host.solve(start), PETSC_SUCCESS);
@@ -23,19 +25,26 @@ nlohmann::json solve_afresh(const std::vector<double> &start, PetscInt vertices)
   return iterations_of(host);
 }
 
-TEST(SecondSolveTest, RemembersNothingOfTheFirst) {
+class SecondSolveTest : public testing::TestWithParam<const char *> {
+ protected:
+  SecondSolveTest() { host.option("snes_trefoil_search", GetParam()); }
   Host host;
+};
+
+INSTANTIATE_TEST_SUITE_P(Searches, SecondSolveTest, testing::Values("armijo", "subspace"),
+                         [](const auto &each) { return std::string(each.param); });
+
+TEST_P(SecondSolveTest, RemembersNothingOfTheFirst) {
   ASSERT_EQ(host.set_up(), PETSC_SUCCESS);
   const std::vector<double> concave = concave_start(host.chain), convex = convex_start(host.chain);
   for (const auto &start : {concave, concave, convex, concave}) {
     ASSERT_EQ(host.solve(start), PETSC_SUCCESS);
     EXPECT_GT(host.reason, 0);
-    EXPECT_EQ(iterations_of(host), solve_afresh(start, host.chain.vertices));
+    EXPECT_EQ(iterations_of(host), solve_afresh(start, host.chain.vertices, GetParam()));
   }
 }
 
-TEST(SecondSolveTest, FollowsASolveThatFailed) {
-  Host host;
+TEST_P(SecondSolveTest, FollowsASolveThatFailed) {
   ASSERT_EQ(host.set_up(), PETSC_SUCCESS);
   const std::vector<double> start = concave_start(host.chain);
   host.chain.disturb_energy = [](int, double) { return std::nan(""); };
@@ -44,11 +53,31 @@ TEST(SecondSolveTest, FollowsASolveThatFailed) {
   host.chain.disturb_energy = nullptr;
   ASSERT_EQ(host.solve(start), PETSC_SUCCESS);
   EXPECT_GT(host.reason, 0);
-  EXPECT_EQ(iterations_of(host), solve_afresh(start, host.chain.vertices));
+  EXPECT_EQ(iterations_of(host), solve_afresh(start, host.chain.vertices, GetParam()));
 }
 
-TEST(SecondSolveTest, AfterAResetTheProblemMayHaveAnotherSize) {
-  Host host;
+TEST_P(SecondSolveTest, FollowsASolveThatEndedInAnError) {
+  ASSERT_EQ(host.set_up(), PETSC_SUCCESS);
+  const std::vector<double> start = concave_start(host.chain);
+  for (const char *type : {SNESTREFOIL, SNESNEWTONLS}) {
+    ASSERT_EQ(SNESSetType(host.snes, type), PETSC_SUCCESS);
+    SNESLineSearch search = nullptr;
+    ASSERT_EQ(SNESGetLineSearch(host.snes, &search), PETSC_SUCCESS);
+    ASSERT_EQ(SNESLineSearchSetType(search, SNESLINESEARCHTREFOIL), PETSC_SUCCESS);
+    ASSERT_EQ(SNESSetFromOptions(host.snes), PETSC_SUCCESS);
+    host.chain.fail_residual = [](int n) { return n == 4; };
+    {
+      const QuietErrors quiet;
+      EXPECT_EQ(host.solve(start), PETSC_ERR_USER);
+    }
+    host.chain.fail_residual = nullptr;
+    ASSERT_EQ(host.solve(start), PETSC_SUCCESS);
+    EXPECT_GT(host.reason, 0);
+    EXPECT_EQ(iterations_of(host), solve_afresh(start, host.chain.vertices, GetParam())) << type;
+  }
+}
+
+TEST_P(SecondSolveTest, AfterAResetTheProblemMayHaveAnotherSize) {
   ASSERT_EQ(host.set_up(), PETSC_SUCCESS);
   ASSERT_EQ(host.solve(concave_start(host.chain)), PETSC_SUCCESS);
   for (const PetscInt vertices : {31, 7}) {
@@ -58,7 +87,7 @@ TEST(SecondSolveTest, AfterAResetTheProblemMayHaveAnotherSize) {
     const std::vector<double> start = concave_start(host.chain);
     ASSERT_EQ(host.solve(start), PETSC_SUCCESS);
     EXPECT_GT(host.reason, 0);
-    EXPECT_EQ(iterations_of(host), solve_afresh(start, vertices));
+    EXPECT_EQ(iterations_of(host), solve_afresh(start, vertices, GetParam()));
   }
 }
 
@@ -191,6 +220,32 @@ INSTANTIATE_TEST_SUITE_P(
                     Typo{"snes_trefoil_energy_tolerance", "-1e-3"},
                     Typo{"snes_trefoil_decrement_tolerance", "-1"},
                     Typo{"snes_linesearch_shrink", "1"}, Typo{"snes_linesearch_armijo", "0.5"}));
+
+TEST(OptionsTest, SubspaceNeedsAnObjective) {
+  Host host;
+  host.with_objective = host.with_energy_scale = false;
+  host.option("snes_trefoil_search", "subspace");
+  ASSERT_EQ(host.set_up(), PETSC_SUCCESS);
+  const QuietErrors quiet;
+  EXPECT_EQ(host.solve(concave_start(host.chain)), PETSC_ERR_ARG_WRONGSTATE);
+}
+
+TEST(OptionsTest, ARuleThatIsDoneGivesTheLimitOfFailedSolvesBack) {
+  Host host;
+  PetscInt most = 0;
+  host.option("snes_trefoil_filter", "three_state");
+  ASSERT_EQ(host.set_up(), PETSC_SUCCESS);
+  ASSERT_EQ(SNESSetMaxLinearSolveFailures(host.snes, 3), PETSC_SUCCESS);
+  host.option("snes_trefoil_filter", "adaptive");
+  ASSERT_EQ(SNESSetFromOptions(host.snes), PETSC_SUCCESS);
+  ASSERT_EQ(SNESGetMaxLinearSolveFailures(host.snes, &most), PETSC_SUCCESS);
+  EXPECT_EQ(most, 1);  // PETSc's default, that of before the rule
+  host.option("snes_trefoil_filter", "on_demand");
+  host.option("snes_max_linear_solve_fail", "7");
+  ASSERT_EQ(SNESSetFromOptions(host.snes), PETSC_SUCCESS);
+  ASSERT_EQ(SNESGetMaxLinearSolveFailures(host.snes, &most), PETSC_SUCCESS);
+  EXPECT_EQ(most, 7);
+}
 
 TEST(OptionsTest, AnotherPrefixIsNobodysTypo) {
   Host other("other_"), host;

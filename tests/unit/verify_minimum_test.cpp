@@ -142,6 +142,19 @@ INSTANTIATE_TEST_SUITE_P(Solvers, VerifyMinimumTest,
                                          Solver{"conjugate_gradients", "jacobi", "cg"}),
                          [](const auto &each) { return each.param.name; });
 
+/// Factors of an older matrix, which is definite, say nothing of this one.
+TEST_P(VerifyMinimumTest, AsksNoFactorsThatTheSnesLags) {
+  Host host;
+  place_on_hill(host, 0.05);
+  host.option("snes_trefoil_verify_minimum", "true");
+  host.option("snes_lag_preconditioner", "-2");
+  host.option("snes_lag_preconditioner_persists", "true");
+  ASSERT_EQ(host.set_up(), PETSC_SUCCESS);
+  ASSERT_EQ(host.solve(convex_start(host.chain)), PETSC_SUCCESS);
+  ASSERT_EQ(host.solve(hill(host)), PETSC_SUCCESS);
+  EXPECT_NE(host.record.at("result").at("minimum"), host.chain.indefinite(host.solution) > 0);
+}
+
 /// Bars on their hills with anchors that barely hold them: along the softest direction, neighbours
 /// against each other, H is a three-hundredth of the filtered Jacobian, whose decrement is as
 /// much too small.
