@@ -248,6 +248,15 @@ PetscErrorCode end_solve(SolveContext &context) {
     if (reason == SNES_DIVERGED_MAX_IT) {
       context.summary.reason = "DIVERGED_MAX_IT: no tolerance is met after -snes_max_it iterations";
     }
+    if (reason == SNES_DIVERGED_LINEAR_SOLVE) {  // FACTOR_OUTMEMORY, FACTOR_NUMERIC_ZEROPIVOT ...
+      KSP ksp = nullptr;
+      PC pc = nullptr;
+      PCFailedReason failure = PC_NOERROR;
+      PetscCall(SNESGetKSP(context.snes, &ksp));
+      PetscCall(KSPGetPC(ksp, &pc));
+      PetscCall(PCGetFailedReason(pc, &failure));
+      if (failure) context.summary.reason += std::string(": ") + PCFailedReasons[failure];
+    }
   }
   PetscCall(close_history(context));
   if (context.energy_scale) {

@@ -47,7 +47,7 @@ TEST(LaggedJacobianTest, AWeightOutlivesItsSolve) {
 TEST(LaggedJacobianTest, ARejectedJacobianIsReplaced) {
   Host host;
   host.option("snes_trefoil_filter", "on_demand");
-  host.option("snes_lag_jacobian", "2");
+  host.option("snes_lag_jacobian", "-2");
   host.option("pc_type", "cholesky");
   host.option("pc_factor_mat_solver_type", "mumps");
   host.option("snes_max_it", "6");
@@ -57,7 +57,7 @@ TEST(LaggedJacobianTest, ARejectedJacobianIsReplaced) {
   EXPECT_LT(host.history().back().at("energy"), host.history().front().at("energy"));
   PetscInt lag = 0;
   ASSERT_EQ(SNESGetLagJacobian(host.snes, &lag), PETSC_SUCCESS);
-  EXPECT_EQ(lag, 2);
+  EXPECT_EQ(lag, -1);  // what PETSc makes of it after the first one
   expect_descent(host);
 }
 
