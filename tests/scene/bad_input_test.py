@@ -225,6 +225,9 @@ MATERIALS = [
      ["-material_mu", "-material_poisson"]),
     ("negative mu", scene(material_mu="-1", material_lambda="1"), ["-material_mu", "-1"]),
     ("second invariant", scene(material_second_invariant="2"), ["second_invariant", "2"]),
+    ("second invariant of a model without",
+     scene(material_model="arap", material_second_invariant="0.3"),
+     ["-material_model arap", "second_invariant"]),
     ("negative density", scene(material_density="-1"), ["-material_density", "-1"]),
 ]
 
