@@ -47,6 +47,10 @@ class OptionReader {
   std::set<std::string> known_;
 };
 
+/// Refuses options that begin with one of `prefixes` and that nothing has asked for, where all that
+/// may have done so is set up. Collective.
+PetscErrorCode refuse_unused(MPI_Comm comm, const std::vector<std::string> &prefixes);
+
 /// One line with the options that nothing has asked for, most of them misspelt ones of PETSc; call
 /// it when all is done. Collective.
 PetscErrorCode print_unused_options(MPI_Comm comm);

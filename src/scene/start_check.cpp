@@ -4,8 +4,24 @@
 #include <cmath>
 
 #include "petsc_compatibility.hpp"
+#include "scene/option_reader.hpp"
 
 namespace trefoil {
+namespace {
+
+/// Where nothing has to be spread over the body, no solver of the guess has read its options.
+PetscErrorCode check_tuning(const Scene &scene) {
+  const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(scene.mesh.dm));
+  PetscReal moved = 0;
+  PetscFunctionBeginUser;
+  PetscCall(refuse_unused(comm, {"snes_linesearch_"}));
+  PetscCall(VecNorm(scene.displacement, NORM_INFINITY, &moved));
+  if (moved > 0 || scene.options.initial == "rest") PetscCall(refuse_unused(comm, {"guess_"}));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+}  // namespace
+
 PetscErrorCode check_start(const Scene &scene, double energy) {
   const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(scene.mesh.dm));
   constexpr double beyond_bodies = 1e100;  // of a determinant: numbers too large to be squared
@@ -14,6 +30,7 @@ PetscErrorCode check_start(const Scene &scene, double energy) {
   std::array<double, 3> first{};
   EnergyFunctional::CellReport report;
   PetscFunctionBeginUser;
+  PetscCall(check_tuning(scene));
   if (std::isfinite(energy)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
   PetscCallMPI(MPI_Comm_size(comm, &ranks));

@@ -299,6 +299,12 @@ OPTIONS = [
     ("weight without its filter", scene(snes_trefoil_weight="0.3"), ["-snes_trefoil_weight"]),
     ("negative tolerance", scene(snes_trefoil_energy_tolerance="-1"),
      ["-snes_trefoil_energy_tolerance"]),
+    ("misspelt shrink", scene(snes_linesearch_shrinc="0.5"), ["-snes_linesearch_shrinc"]),
+    ("misspelt shrink, newtonls", scene(snes_linesearch_shrinc="0.5") + NEWTONLS,
+     ["-snes_linesearch_shrinc"]),
+    ("misspelt -guess_pc_type", low(move="0.1*y, 0, 0") + ["-guess_pc_typ", "jacobi"],
+     ["-guess_pc_typ;"]),
+    ("solver of no guess", scene(initial="rest", guess_pc_type="jacobi"), ["-guess_pc_type;"]),
     ("another line search", scene(snes_linesearch_type="bt"), ["'bt'", "newtonls"]),
     ("cubic elements", scene(order="3"), ["-order", "3"]),
     ("unknown space", scene(snes_trefoil_space="strain"), ["-snes_trefoil_space", "strain"]),
@@ -310,6 +316,8 @@ OPTIONS = [
     ("loose in the plane", scene(mesh_generate="square", constraint_low_where="y == ymin",
                                  constraint_low_move="free, 0"), ["of 3 rigid-body modes"]),
     ("unknown start", scene(initial="nonsense"), ["-initial", "nonsense"]),
+    *((f"steps of {start}", scene(initial=start, initial_steps="5"), ["-initial_steps", start])
+      for start in ("rest", "harmonic")),
     ("start without displacement", scene(initial="expression"), ["-initial_displacement"]),
     ("displacement without its start", scene(initial_displacement="0, 0, z"),
      ["-initial_displacement", "-initial expression"]),
@@ -511,6 +519,13 @@ class StrangeButRight(WithInputs):
 
     def test_unused_options_are_named(self):
         list(self.check_runs(scene(ksp_rotl="1e-3"), ["nothing here used -ksp_rotl\n"]))
+
+    def test_options_of_guess_and_line_search(self):
+        tuning = ["-guess_pc_type", "jacobi", "-guess_ksp_type", "cg", "-initial_steps", "2",
+                  "-snes_linesearch_shrink", "0.5", "-snes_linesearch_monitor",
+                  "-snes_trefoil_corrections", "2", "-snes_linesearch_damping", "0.9"]
+        for move in ("0.1*y, 0, 0", "0, 0, 0"):  # with and without anything to spread
+            list(self.check_runs(low(move=move) + tuning, ["converged in"]))
 
     def test_not_converged(self):
         arguments = low(where="abs(z - 0.5) == 0.5", move="0, 0, 0.5*z") + ["-snes_max_it", "1"]
