@@ -49,13 +49,17 @@ PetscErrorCode check_start(const Scene &scene, double energy) {
              "the energy of the start is not finite; check the constraints' displacements and the "
              "loads");
   const bool at_once = scene.options.initial == "rest";
+  const PetscInt steps = scene.options.load_steps;
+  const std::string in_steps = steps > 1 ? "take more -load_steps than " + std::to_string(steps)
+                                         : std::string("apply the displacements in -load_steps");
   SETERRQ(comm, PETSC_ERR_USER_INPUT,
           "the energy of the start is infinite: %s %lld elements, the first at rest position (%g, "
-          "%g, %g), which the material does not allow; %sapply the displacements in -load_steps, "
-          "or take a material that allows it, such as stable_neo_hookean",
+          "%g, %g), which the material does not allow; %s%s, or "
+          "take a material that allows it, such as stable_neo_hookean",
           at_once ? "the prescribed vertices, moved at once, invert" : "it inverts",
           static_cast<long long>(counts[0]), first[0], first[1], first[2],
-          at_once ? "spread the displacements with -initial harmonic or -initial arap, " : "");
+          at_once ? "spread the displacements with -initial harmonic or -initial arap, " : "",
+          in_steps.c_str());
 }
 
 }  // namespace trefoil

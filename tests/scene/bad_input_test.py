@@ -270,6 +270,9 @@ REGIONS_AND_LOADS = [
     ("steps of nothing", scene(load_steps="3"), ["-load_steps 3", "depend on t"]),
     ("other vertices", low(where="z <= t/2", move="0, 0, t") + ["-load_steps", "2"],
      ["other vertices", "depend on t"]),
+    ("steps too long", low(where="abs(z - 0.5) == 0.5", move="0, 0, -1.5*z*t") +
+     ["-load_steps", "2", "-initial", "rest", "-material_model", "neo_hookean"],
+     ["invert", "more -load_steps than 2"]),
     ("gravity without mass", scene(load_gravity="0, 0, -9.81"), ["-material_density"]),
     ("gravity of two values", scene(load_gravity="0, -9.81", material_density="1"),
      ["-load_gravity", "2 values"]),
