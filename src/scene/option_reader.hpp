@@ -15,6 +15,8 @@ class OptionReader {
  public:
   explicit OptionReader(MPI_Comm comm);
 
+  [[nodiscard]] bool prints_help() const { return help_; }
+
   /// Each returns PETSC_ERR_USER_INPUT with a sentence where the value cannot be read.
   /// @param name without the leading dash, for example "mesh_file"
   /// @param value the default, replaced where the option is given

@@ -173,6 +173,7 @@ PetscErrorCode read_scene_options(MPI_Comm comm, SceneOptions *options) {
   PetscCall(
       reader.text("output_file", "Result for ParaView, an .xdmf file", &options->output_file));
   PetscCall(reader.text("snes_trefoil_record", "JSON record of the run", &options->record_file));
+  if (reader.prints_help()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(reader.refuse_unknown({"mesh_", "material_", "region", "load", "constraint", "initial",
                                    "order", "assembly", "output_"}));
   PetscCall(check_values(comm, *options));
