@@ -207,6 +207,35 @@ json.dump({"run": count, "history": [{"seconds": 2 + count % 2}],
         self.assertIn("there is no such mesh", runner.summary(SCENE, METHODS[0], None))
 
 
+class Refusals(unittest.TestCase):
+    """What makes no study: one sentence, and no exit status 0."""
+
+    def check_tool(self, tool, arguments, status, word):
+        result = subprocess.run(["/usr/bin/python3", os.path.join(ROOT, tool), *arguments],
+                                stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                                env=environment(), check=False)
+        self.assertEqual(result.returncode, status, result.stdout)
+        self.assertIn(word, result.stdout)
+        self.assertNotIn("Traceback", result.stdout)
+
+    def check(self, arguments, status, word):
+        with tempfile.TemporaryDirectory() as folder:
+            self.check_tool("examples/speed_against_error", [
+                "--quick", "--program", PROGRAM, "-o", folder, *arguments], status, word)
+
+    def test_what_is_not_there(self):
+        self.check(["--scenes", "nofile.yaml"], 2, "'nofile.yaml'")
+        self.check(["--paper", "/nonexistent"], 2, "/nonexistent/reference/official.csv")
+        self.check(["--rules", "nonsense"], 1, "'nonsense'")
+
+    def test_cost_model(self):
+        self.check_tool("tests/benchmarks/cost_model.py", ["nonsense"], 1, "cost_model.py: ")
+
+    def test_no_run_left_an_energy(self):
+        self.check(["--only", "stretch .3", "--guesses", "rest", "--searches", "armijo", "--",
+                    "-mesh_file", "nofile.mesh"], 1, "no run left an energy")
+
+
 class QuickRun(unittest.TestCase):
     def test_tables_and_plots(self):
         tool = os.path.join(ROOT, "examples", "speed_against_error")
