@@ -107,6 +107,14 @@ class Levels(unittest.TestCase):
         self.assertEqual(levels[1e-3], (3, 10, 3.0))
         self.assertEqual(levels[1e-8], (4, 11, 4.0))
 
+    def test_only_the_last_load_step_comes_close(self):
+        path = record_with([1.0, 0.5, 9.0, 5.0])
+        for k, entry in enumerate(path["history"]):
+            entry["load_step"] = 1 if k < 2 else 2
+        references, judged = judge(path)
+        self.assertEqual(judged[SCENE, METHODS[0]].levels[1e-1], (4, 4, 4.0))
+        self.assertEqual(judgement.stop_at(path, references[SCENE], 1e-2), (3, 2.0))
+
     def test_another_minimum_never_comes_close(self):
         _, judged = judge(record_with([4.0, 0.0]), record_with([4.0, 1.0, 0.1]))
         levels = judged[SCENE, METHODS[1]].levels
