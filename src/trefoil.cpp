@@ -2,7 +2,7 @@
 //
 //   mpirun -n 2 trefoil -options_file examples/knot.yaml -snes_trefoil_record knot.json
 //
-// Exit status: 0 converged, 1 bad input, 3 not converged.
+// Exit status: 0 converged, or -help, which solves nothing; 1 bad input, 3 not converged.
 
 #include <petsctime.h>
 
@@ -15,6 +15,7 @@
 #include "scene/option_reader.hpp"
 #include "scene/scene.hpp"
 #include "scene/solve.hpp"
+#include "scene/solver_help.hpp"
 #include "snes/solve_context.hpp"
 #include "trefoil.h"
 
@@ -34,10 +35,17 @@ static PetscErrorCode run(double begin, bool *converged) {
   ProgramTimes times;
   PetscLogDouble solved = 0, written = 0;
   std::string record;
+  PetscBool asks_for_help = PETSC_FALSE;
 
   PetscFunctionBeginUser;
   PetscCall(TrefoilInitializePackage());
   PetscCall(read_scene_options(comm, &options));
+  PetscCall(PetscOptionsHasHelp(nullptr, &asks_for_help));
+  if (asks_for_help) {
+    PetscCall(print_solver_help(comm));
+    *converged = true;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCall(check_outputs(comm, options));
   PetscCall(build_scene(comm, options, &scene));
   PetscCall(solve_scene(scene, &outcome));

@@ -53,9 +53,16 @@ def relative_error(energy, reference):
     return (energy - reference.energy) / reference.scale
 
 
+def is_of_last_loads(record, entry):
+    """Whether a state is one of the last load step: only their energies are those of the scene."""
+    return entry.get("load_step") == record["history"][-1].get("load_step")
+
+
 def errors_of(record, reference):
-    """The relative energy error before every step, and at last."""
-    return [relative_error(entry["energy"], reference) for entry in record["history"]]
+    """The relative energy error before every step, and at last; infinite in all load steps but the
+    last."""
+    return [relative_error(entry["energy"], reference) if is_of_last_loads(record, entry)
+            else math.inf for entry in record["history"]]
 
 
 def cost_at(record, k):
@@ -145,7 +152,8 @@ def stop_at(record, reference, tolerance):
     scale = record["result"]["energy_scale"]
     for k, entry in enumerate(record["history"]):
         decrement = entry["decrement"]
-        if decrement is not None and decrement <= tolerance * scale:
+        if (decrement is not None and decrement <= tolerance * scale
+                and is_of_last_loads(record, entry)):
             return cost_at(record, k)[0], relative_error(entry["energy"], reference)
     return None
 

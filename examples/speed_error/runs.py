@@ -53,11 +53,15 @@ def scenes_from_files(files, poisson_ratios, options=()):
     return scenes
 
 
+def paper_results(folder):
+    return os.path.join(folder, "reference", "official.csv")
+
+
 def paper_scenes(folder):
     """The scenes of folder/reference/official.csv for which examples/paper has an option file, and
     the names of those for which it has none."""
     scenes, missing = [], []
-    with open(os.path.join(folder, "reference", "official.csv"), encoding="utf-8") as file:
+    with open(paper_results(folder), encoding="utf-8") as file:
         rows = [row for row in csv.DictReader(file) if row["strategy"] == "adaptive"]
     for row in rows:
         options = os.path.join(EXAMPLES, "paper", row["experiment"] + ".yaml")
@@ -167,10 +171,10 @@ def seconds(record):
     return record["history"][-1]["seconds"]
 
 
-def rules_of(program):
-    """The rules that the program knows, from its help; `constant`, which wants a weight, is left
-    out."""
-    text = subprocess.run([program, "-options_file", GENERATED[0], "-help"],
+def rules_of(program, options=()):
+    """The rules that the program knows, with what these options load, from its help; `constant`,
+    which wants a weight, is left out."""
+    text = subprocess.run([program, "-options_file", GENERATED[0], *options, "-help"],
                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
                           env=environment(), check=False).stdout
     found = re.search(r"-snes_trefoil_filter <[^>]*>: Filter of the element Hessians: ([\w, ]+)",

@@ -39,7 +39,8 @@ struct MaterialParameters {
   std::optional<double> volume = std::nullopt;
   Lame lame = Lame::physical;
   /// Mooney-Rivlin: the part of the shear modulus that comes from the second invariant, 0 to 1.
-  double second_invariant = 0.5;
+  /// Absent: half of it.
+  std::optional<double> second_invariant = std::nullopt;
 
   /// kappa as the user gives it, else `suggested`. InputError where that is negative: the energy
   /// would have no least value.

@@ -60,7 +60,7 @@ std::unique_ptr<MaterialModel> make_material(const std::string &name,
 }
 
 void check_parameters(const std::string &name, const MaterialParameters &parameters,
-                      bool has_volume_term, bool has_raw_constants) {
+                      bool has_volume_term, bool has_raw_constants, bool has_second_invariant) {
   if (parameters.volume && !has_volume_term) {
     throw InputError("material model " + name +
                      " has no volume term of its own weight; leave `volume` out");
@@ -68,6 +68,10 @@ void check_parameters(const std::string &name, const MaterialParameters &paramet
   if (parameters.lame == Lame::raw && !has_raw_constants) {
     throw InputError("material model " + name +
                      " knows no raw constants; leave `lame` out or make it physical");
+  }
+  if (parameters.second_invariant && !has_second_invariant) {
+    throw InputError("material model " + name +
+                     " has no term in the second invariant; leave `second_invariant` out");
   }
 }
 

@@ -20,6 +20,7 @@ void register_material(const std::string &name, MaterialMaker maker);
 /// The same for a class that meets the concept SceneMaterial. It may also have
 /// - a member M::has_volume_term: it uses MaterialParameters::volume
 /// - a member M::has_raw_constants: it uses MaterialParameters::lame
+/// - a member M::has_second_invariant: it uses MaterialParameters::second_invariant
 /// Without them a user who gives these is told so.
 template <SceneMaterial M>
 void register_material();
@@ -37,13 +38,14 @@ std::unique_ptr<MaterialModel> make_material(
 
 /// Refuses parameters that a material would not look at.
 void check_parameters(const std::string &name, const MaterialParameters &parameters,
-                      bool has_volume_term, bool has_raw_constants);
+                      bool has_volume_term, bool has_raw_constants, bool has_second_invariant);
 
 template <SceneMaterial M>
 MaterialMaker maker_of() {
   return [](const MaterialParameters &parameters, InstructionSet instructions) {
     check_parameters(
-        M::name, parameters, requires { M::has_volume_term; }, requires { M::has_raw_constants; });
+        M::name, parameters, requires { M::has_volume_term; }, requires { M::has_raw_constants; },
+        requires { M::has_second_invariant; });
     return make_material_model(M(parameters), instructions);
   };
 }

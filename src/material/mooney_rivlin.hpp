@@ -12,15 +12,16 @@ namespace trefoil {
 /// have log J, which knows no inverted F.
 ///
 /// Small strains obey mu = 2 (c1 + c2) and lambda = kappa - 2 c1. So c2 = s mu/2 and
-/// c1 = (1 - s) mu/2 with s = MaterialParameters::second_invariant, and kappa = lambda + 2 c1
-/// unless it is given.
+/// c1 = (1 - s) mu/2 with s = MaterialParameters::second_invariant, 1/2 unless it is given, and
+/// kappa = lambda + 2 c1 unless it is given.
 class MooneyRivlin {
  public:
   static constexpr const char *name = "mooney_rivlin";
   static constexpr bool has_volume_term = true;
+  static constexpr bool has_second_invariant = true;
 
   explicit MooneyRivlin(const MaterialParameters &parameters)
-      : c2_(0.5 * parameters.second_invariant * parameters.constants.mu()),
+      : c2_(0.5 * parameters.second_invariant.value_or(0.5) * parameters.constants.mu()),
         c1_(0.5 * parameters.constants.mu() - c2_),
         volume_(parameters.volume_weight(name, parameters.constants.lambda() + 2 * c1_),
                 2 * c1_ + 4 * c2_) {}

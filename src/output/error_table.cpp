@@ -27,6 +27,15 @@ double uncertainty(const Json &result) {
   return std::max(result.at("newton_decrement").get<double>(), rounding) / scale;
 }
 
+/// Where the last load step's part of the history begins: energies of the steps before belong to
+/// other loads.
+Json::const_iterator last_load_step(const Json &history) {
+  if (history.empty()) return history.end();
+  const int step = history.back().value("load_step", 1);
+  return std::find_if(history.begin(), history.end(),
+                      [&](const Json &state) { return state.value("load_step", 1) == step; });
+}
+
 int guess_linear_solves(const Json &result) {
   return result.contains("guess_linear_solves") ? result.at("guess_linear_solves").get<int>() : 0;
 }
@@ -41,8 +50,12 @@ Json error_table(const Json &record) {
       std::max(margin * uncertainty(result), most_exact_error) * (1 - rounding_of_levels);
   if (!std::isfinite(smallest)) return table;
   const double last = result.at("energy"), scale = result.at("energy_scale");
-  const int iterations = result.at("iterations");
-  auto entry = history.begin();
+  const int all_iterations = result.at("iterations");
+  const int iterations = result.contains("load_step_iterations")
+                             ? result.at("load_step_iterations").back().get<int>()
+                             : all_iterations;
+  const auto begin = last_load_step(history);
+  auto entry = begin;
   for (int digits = 1; std::pow(per_level, digits) >= smallest; ++digits) {
     const double error = std::pow(per_level, digits);
     const auto reached = [&](const Json &state) {
@@ -51,9 +64,10 @@ Json error_table(const Json &record) {
     };
     entry = std::find_if(entry, history.end(), reached);
     if (entry == history.end()) break;
+    const int directions = std::min(static_cast<int>(entry - begin) + 1, iterations);
     table.push_back(
         {{"relative_error", std::stod("1e-" + std::to_string(digits))},
-         {"iterations", std::min(entry->at("k").get<int>() + 1, iterations)},
+         {"iterations", all_iterations - iterations + directions},
          {"linear_solves", guess_linear_solves(result) + entry->at("linear_solves").get<int>()},
          {"seconds", entry->at("seconds")}});
   }

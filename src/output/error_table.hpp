@@ -9,7 +9,8 @@ namespace trefoil {
 /// (f - f_final) / energy_scale, for errors 1e-1, 1e-2, ... 1e-8. A list of
 ///   {"relative_error", "iterations", "linear_solves", "seconds"},
 /// counted as if the run had ended at the first state that is so close: with the direction that
-/// only a stop test needs, with the linear solves and the seconds of the starting guess.
+/// only a stop test needs, with the linear solves and the seconds of the starting guess. In several
+/// load steps that state is looked for in the last one, and all the steps before are counted in.
 ///
 /// Only errors that the final energy itself supports: it is off by about its last Newton decrement,
 /// and by rounding, and both must be ten times smaller. Empty where the run did not converge.

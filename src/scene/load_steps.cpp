@@ -83,17 +83,21 @@ PetscErrorCode LoadPath::go_to(PetscInt step, GuessCost *cost) {
 std::string join_records(const std::vector<std::string> &records) {
   using Json = nlohmann::ordered_json;
   if (records.size() == 1) return records.front();
-  Json joined, history = Json::array();
+  Json joined, history = Json::array(), iterations = Json::array();
+  int linear_solves = 0;
   for (std::size_t step = 0; step < records.size(); ++step) {
     Json record = Json::parse(records[step], nullptr, false);
     if (!record.is_object()) return "";
     for (Json entry : record["history"]) {
       entry["k"] = history.size();
+      entry["linear_solves"] = linear_solves + entry["linear_solves"].get<int>();
       entry["load_step"] = step + 1;
       history.push_back(entry);
     }
+    iterations.push_back(record["result"]["iterations"]);
     if (step > 0) {
-      for (const char *count : {"iterations", "linear_solves", "line_search_trials"}) {
+      for (const char *count : {"saddles_left", "verification_solves", "iterations",
+                                "linear_solves", "line_search_trials"}) {
         record["result"][count] =
             record["result"][count].get<int>() + joined["result"][count].get<int>();
       }
@@ -102,8 +106,10 @@ std::string join_records(const std::vector<std::string> &records) {
         seconds = seconds.get<double>() + joined["time"][phase].get<double>();
       }
     }
+    linear_solves = record["result"]["linear_solves"];
     joined = record;
   }
+  joined["result"]["load_step_iterations"] = iterations;
   joined["history"] = history;
   return joined.dump(1);
 }

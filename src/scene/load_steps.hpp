@@ -35,7 +35,8 @@ class LoadPath {
 };
 
 /// One record of several solves, one after the other, in the form of each: iterations, solves,
-/// trials and times added up, the histories in a row, whose entries get a `load_step`.
+/// trials, saddles and times added up, the histories in a row, whose entries get a `load_step` and
+/// whose linear solves go on; `load_step_iterations` lists the iterations of each solve.
 std::string join_records(const std::vector<std::string> &records);
 
 }  // namespace trefoil

@@ -68,6 +68,7 @@ PetscErrorCode read_material(MPI_Comm comm, OptionReader &reader, const std::str
   PetscCall(reader.text(prefix + "_model", names_of_models(), &options->model));
   if (options->model != model) {  // what only some models know is not handed on to another
     parameters.volume.reset();
+    parameters.second_invariant.reset();
     parameters.lame = Lame::physical;
   }
   PetscCall(read_constants(comm, reader, prefix, &parameters.constants));
@@ -76,12 +77,13 @@ PetscErrorCode read_material(MPI_Comm comm, OptionReader &reader, const std::str
                           "Weight kappa of the volume term kappa/2 (J-1)^2, force per area",
                           &parameters.volume));
   PetscCall(reader.number(prefix + "_second_invariant",
-                          "Mooney-Rivlin: its part of the shear modulus, 0 to 1",
+                          "Mooney-Rivlin: its part of the shear modulus, 0 to 1 (0.5)",
                           &parameters.second_invariant));
   PetscCall(reader.number(prefix + "_density", "Mass per rest volume", &options->density));
-  PetscCheck(parameters.second_invariant >= 0 && parameters.second_invariant <= 1, comm,
-             PETSC_ERR_USER_INPUT, "-%s_second_invariant is %g; it must lie between 0 and 1",
-             prefix.c_str(), parameters.second_invariant);
+  const double second_invariant = parameters.second_invariant.value_or(0);
+  PetscCheck(second_invariant >= 0 && second_invariant <= 1, comm, PETSC_ERR_USER_INPUT,
+             "-%s_second_invariant is %g; it must lie between 0 and 1", prefix.c_str(),
+             second_invariant);
   PetscCheck(options->density >= 0 && options->density < 1e300, comm, PETSC_ERR_USER_INPUT,
              "-%s_density is %g; it must not be negative", prefix.c_str(), options->density);
   // The material says what it cannot be made of, here and not where the mesh has been read.

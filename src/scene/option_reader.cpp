@@ -26,6 +26,22 @@ std::size_t distance(const std::string &a, const std::string &b) {
   return row.back();
 }
 
+/// Names of the options that nothing has asked for so far.
+PetscErrorCode find_unused(std::vector<std::string> *unused) {
+  PetscInt count = 0;
+  char **names = nullptr, **values = nullptr;
+  PetscFunctionBeginUser;
+  PetscCall(PetscOptionsLeftGet(nullptr, &count, &names, &values));
+  unused->assign(names, names + count);
+  PetscCall(PetscOptionsLeftRestore(nullptr, &count, &names, &values));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+bool begins_with_one_of(const std::vector<std::string> &prefixes, const std::string &option) {
+  return std::any_of(prefixes.begin(), prefixes.end(),
+                     [&](const std::string &prefix) { return option.rfind(prefix, 0) == 0; });
+}
+
 }  // namespace
 
 OptionReader::OptionReader(MPI_Comm comm) : comm_(comm) {
@@ -149,26 +165,22 @@ const std::string &OptionReader::nearest(const std::string &option) const {
 bool OptionReader::is_misspelt(const std::string &option,
                                const std::vector<std::string> &prefixes) const {
   if (known_.count(option)) return false;
-  const bool ours = std::any_of(prefixes.begin(), prefixes.end(), [&](const std::string &prefix) {
-    return option.rfind(prefix, 0) == 0;
-  });
   // A prefix may be misspelt as well. Names of PETSc are farther from ours than that.
   constexpr std::size_t letters_an_error = 4, most_errors = 2;
   const std::string &name = nearest(option);
-  return ours || distance(name, option) <= std::min(name.size() / letters_an_error, most_errors);
+  return begins_with_one_of(prefixes, option) ||
+         distance(name, option) <= std::min(name.size() / letters_an_error, most_errors);
 }
 
 PetscErrorCode OptionReader::refuse_unknown(const std::vector<std::string> &prefixes) const {
-  PetscInt count = 0;
-  char **unused_names = nullptr, **unused_values = nullptr;
+  std::vector<std::string> unused;
   PetscFunctionBeginUser;
-  PetscCall(PetscOptionsLeftGet(nullptr, &count, &unused_names, &unused_values));
-  std::string culprit;
-  for (PetscInt i = 0; i < count && culprit.empty(); ++i) {
-    if (is_misspelt(unused_names[i], prefixes)) culprit = unused_names[i];
-  }
-  PetscCall(PetscOptionsLeftRestore(nullptr, &count, &unused_names, &unused_values));
-  if (culprit.empty()) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(find_unused(&unused));
+  const auto found = std::find_if(unused.begin(), unused.end(), [&](const std::string &option) {
+    return is_misspelt(option, prefixes);
+  });
+  if (found == unused.end()) PetscFunctionReturn(PETSC_SUCCESS);
+  const std::string &culprit = *found;
   const std::string suggestion = nearest(culprit);
   const bool near = distance(suggestion, culprit) <= culprit.size() / 3;
   const bool of_constraint = culprit.rfind("constraint_", 0) == 0;
@@ -177,18 +189,27 @@ PetscErrorCode OptionReader::refuse_unknown(const std::vector<std::string> &pref
           of_constraint ? "; the names of the constraints come from -constraints" : "");
 }
 
+PetscErrorCode refuse_unused(MPI_Comm comm, const std::vector<std::string> &prefixes) {
+  std::vector<std::string> unused;
+  PetscFunctionBeginUser;
+  PetscCall(find_unused(&unused));
+  for (const std::string &option : unused) {
+    PetscCheck(!begins_with_one_of(prefixes, option), comm, PETSC_ERR_USER_INPUT,
+               "nothing here uses -%s; check its name, or leave it out", option.c_str());
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode print_unused_options(MPI_Comm comm) {
   const std::set<std::string> asked_at_end{"citations", "get_total_flops", "options_left",
                                            "options_view"};
-  PetscInt count = 0;
-  char **names = nullptr, **values = nullptr;
+  std::vector<std::string> unused;
   std::string list;
   PetscFunctionBeginUser;
-  PetscCall(PetscOptionsLeftGet(nullptr, &count, &names, &values));
-  for (PetscInt i = 0; i < count; ++i) {
-    if (!asked_at_end.count(names[i])) list += (list.empty() ? "-" : ", -") + std::string(names[i]);
+  PetscCall(find_unused(&unused));
+  for (const std::string &option : unused) {
+    if (!asked_at_end.count(option)) list += (list.empty() ? "-" : ", -") + option;
   }
-  PetscCall(PetscOptionsLeftRestore(nullptr, &count, &names, &values));
   if (!list.empty()) PetscCall(PetscPrintf(comm, "nothing here used %s\n", list.c_str()));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

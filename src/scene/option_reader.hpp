@@ -15,6 +15,8 @@ class OptionReader {
  public:
   explicit OptionReader(MPI_Comm comm);
 
+  [[nodiscard]] bool prints_help() const { return help_; }
+
   /// Each returns PETSC_ERR_USER_INPUT with a sentence where the value cannot be read.
   /// @param name without the leading dash, for example "mesh_file"
   /// @param value the default, replaced where the option is given
@@ -46,6 +48,10 @@ class OptionReader {
   bool help_ = false;
   std::set<std::string> known_;
 };
+
+/// Refuses options that begin with one of `prefixes` and that nothing has asked for, where all that
+/// may have done so is set up. Collective.
+PetscErrorCode refuse_unused(MPI_Comm comm, const std::vector<std::string> &prefixes);
 
 /// One line with the options that nothing has asked for, most of them misspelt ones of PETSc; call
 /// it when all is done. Collective.

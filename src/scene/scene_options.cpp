@@ -89,6 +89,7 @@ PetscErrorCode check_files(MPI_Comm comm, const SceneOptions &options) {
 }
 
 PetscErrorCode check_values(MPI_Comm comm, const SceneOptions &options) {
+  PetscBool has_steps = PETSC_FALSE;
   PetscFunctionBeginUser;
   PetscCheck(options.mesh_file.empty() != options.generate.empty(), comm, PETSC_ERR_USER_INPUT,
              options.mesh_file.empty()
@@ -112,6 +113,9 @@ PetscErrorCode check_values(MPI_Comm comm, const SceneOptions &options) {
                  : "-initial_displacement is for -initial expression");
   PetscCheck(options.initial_steps >= 0, comm, PETSC_ERR_USER_INPUT,
              "-initial_steps must not be negative");
+  PetscCall(PetscOptionsHasName(nullptr, nullptr, "-initial_steps", &has_steps));
+  PetscCheck(!has_steps || options.initial == "arap", comm, PETSC_ERR_USER_INPUT,
+             "-initial_steps is for -initial arap; the start is '%s'", options.initial.c_str());
   PetscCheck(options.order >= 0 && options.order <= 2, comm, PETSC_ERR_USER_INPUT,
              "-order is %" PetscInt_FMT
              "; elements are linear (1), quadratic (2), or as the mesh has them (0)",
@@ -170,6 +174,7 @@ PetscErrorCode read_scene_options(MPI_Comm comm, SceneOptions *options) {
   PetscCall(
       reader.text("output_file", "Result for ParaView, an .xdmf file", &options->output_file));
   PetscCall(reader.text("snes_trefoil_record", "JSON record of the run", &options->record_file));
+  if (reader.prints_help()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(reader.refuse_unknown({"mesh_", "material_", "region", "load", "constraint", "initial",
                                    "order", "assembly", "output_"}));
   PetscCall(check_values(comm, *options));

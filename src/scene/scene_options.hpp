@@ -40,7 +40,8 @@ struct SceneOptions {
 };
 
 /// Reads the scene from PETSc's options. Misspelt names and values out of range are errors with one
-/// sentence on all ranks. Collective.
+/// sentence on all ranks. For -help it prints them, and whether they make a scene is not asked.
+/// Collective.
 PetscErrorCode read_scene_options(MPI_Comm comm, SceneOptions *options);
 
 }  // namespace trefoil

@@ -4,8 +4,24 @@
 #include <cmath>
 
 #include "petsc_compatibility.hpp"
+#include "scene/option_reader.hpp"
 
 namespace trefoil {
+namespace {
+
+/// Where nothing has to be spread over the body, no solver of the guess has read its options.
+PetscErrorCode check_tuning(const Scene &scene) {
+  const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(scene.mesh.dm));
+  PetscReal moved = 0;
+  PetscFunctionBeginUser;
+  PetscCall(refuse_unused(comm, {"snes_linesearch_"}));
+  PetscCall(VecNorm(scene.displacement, NORM_INFINITY, &moved));
+  if (moved > 0 || scene.options.initial == "rest") PetscCall(refuse_unused(comm, {"guess_"}));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+}  // namespace
+
 PetscErrorCode check_start(const Scene &scene, double energy) {
   const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(scene.mesh.dm));
   constexpr double beyond_bodies = 1e100;  // of a determinant: numbers too large to be squared
@@ -14,6 +30,7 @@ PetscErrorCode check_start(const Scene &scene, double energy) {
   std::array<double, 3> first{};
   EnergyFunctional::CellReport report;
   PetscFunctionBeginUser;
+  PetscCall(check_tuning(scene));
   if (std::isfinite(energy)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
   PetscCallMPI(MPI_Comm_size(comm, &ranks));
@@ -32,13 +49,17 @@ PetscErrorCode check_start(const Scene &scene, double energy) {
              "the energy of the start is not finite; check the constraints' displacements and the "
              "loads");
   const bool at_once = scene.options.initial == "rest";
+  const PetscInt steps = scene.options.load_steps;
+  const std::string in_steps = steps > 1 ? "take more -load_steps than " + std::to_string(steps)
+                                         : std::string("apply the displacements in -load_steps");
   SETERRQ(comm, PETSC_ERR_USER_INPUT,
           "the energy of the start is infinite: %s %lld elements, the first at rest position (%g, "
-          "%g, %g), which the material does not allow; %sapply the displacements in -load_steps, "
-          "or take a material that allows it, such as stable_neo_hookean",
+          "%g, %g), which the material does not allow; %s%s, or "
+          "take a material that allows it, such as stable_neo_hookean",
           at_once ? "the prescribed vertices, moved at once, invert" : "it inverts",
           static_cast<long long>(counts[0]), first[0], first[1], first[2],
-          at_once ? "spread the displacements with -initial harmonic or -initial arap, " : "");
+          at_once ? "spread the displacements with -initial harmonic or -initial arap, " : "",
+          in_steps.c_str());
 }
 
 }  // namespace trefoil

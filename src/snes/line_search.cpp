@@ -224,10 +224,32 @@ static PetscErrorCode SNESLineSearchView_Trefoil(SNESLineSearch search, PetscVie
    SNESLINESEARCHTREFOIL - backtracking on the energy along the eigenvalue-filtered direction
 
    Options Database Keys:
-+  -snes_trefoil_filter <adaptive>               - newton, clamp, absolute, adaptive, constant
++  -snes_trefoil_filter <adaptive>               - newton, clamp, absolute, adaptive, constant,
+                                                   on_demand, blend, three_state, multiplicative,
+                                                   tikhonov
 .  -snes_trefoil_rho_tolerance <0.01>            - adaptive: clamp while |rho - 1| is below
+.  -snes_trefoil_weight <1>                      - constant: w of H + 2 w N
+.  -snes_trefoil_floor <-1>                      - least eigenvalue of a filtered element, as a
+                                                   share of its largest; negative: the filter's own
+.  -snes_trefoil_space <element>                 - what is filtered: element, or deformation, dP/dF
+                                                   at the quadrature points
+.  -snes_trefoil_fields <all>                    - fields to filter, by name or number
+.  -snes_trefoil_strict <true>                   - a Jacobian that cannot be filtered is an error
+.  -snes_trefoil_search <armijo>                 - armijo, along the direction; subspace, in the
+                                                   plane of it and the previous step
+.  -snes_trefoil_corrections <-1>                - subspace: most further directions an iteration;
+                                                   -1: 8 where the linear solver is direct, else 0
+.  -snes_trefoil_correction_gain <0.03>          - subspace: least share of the first step's
+                                                   decrease to go on correcting
+.  -snes_trefoil_trust_start <false>             - subspace: from the first iteration; false: once
+                                                   |rho - 1| is small
 .  -snes_trefoil_decrement_tolerance <0>         - stop on the Newton decrement, energy units
 .  -snes_trefoil_energy_tolerance <1e-8>         - stop on the decrement over the energy scale
+.  -snes_trefoil_verify_minimum <false>          - leave a saddle along negative curvature where the
+                                                   stop test is met
+.  -snes_trefoil_monitor <false>                 - one line an iteration
+.  -snes_trefoil_record <file>                   - JSON record of the solve
+.  -snes_linesearch_damping <1>                  - first step length to try
 .  -snes_linesearch_shrink <0.8>                 - factor between step lengths
 .  -snes_linesearch_armijo <1e-8>                - share of the predicted decrease to reach
 -  -snes_linesearch_max_it <100>                 - most step lengths to try

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "petsc_compatibility.hpp"
@@ -34,28 +35,43 @@ Json iteration_json(const IterationRecord &entry) {
           {"seconds", entry.seconds}};
 }
 
-/// Every option of the run as the user gave it.
+/// Values of the options that nothing has asked for yet: to look these up would mark them as used.
+PetscErrorCode unused_options(PetscOptions database, std::map<std::string, std::string> *unused) {
+  PetscInt count = 0;
+  char **names = nullptr, **values = nullptr;
+  PetscFunctionBeginUser;
+  PetscCall(PetscOptionsLeftGet(database, &count, &names, &values));
+  for (PetscInt i = 0; i < count; ++i) (*unused)[names[i]] = values[i] ? values[i] : "";
+  PetscCall(PetscOptionsLeftRestore(database, &count, &names, &values));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Every option of the run as the user gave it. PETSc lists them in one line, "-name value -name ",
+/// where only the length of a value tells whether a " -" in it begins a name.
 PetscErrorCode options_json(SNES snes, Json *options) {
   PetscOptions database = nullptr;
+  std::map<std::string, std::string> unused;
   char *all = nullptr;
   PetscFunctionBeginUser;
   PetscCall(PetscObjectGetOptions(reinterpret_cast<PetscObject>(snes), &database));
+  PetscCall(unused_options(database, &unused));
   PetscCall(PetscOptionsGetAll(database, &all));
   const std::string text = all;
   PetscCall(PetscFree(all));
   *options = Json::object();
-  // " -name value" or " -name": a name begins with a letter, a negative number does not.
-  for (std::size_t at = text.find('-'); at != std::string::npos;) {
-    std::size_t end = at;
-    do {
-      end = text.find(" -", end + 1);
-    } while (end != std::string::npos && !std::isalpha(static_cast<unsigned char>(text[end + 2])));
-    std::string option = text.substr(at + 1, end == std::string::npos ? end : end - at - 1);
-    const std::size_t space = option.find(' ');
-    std::string value = space == std::string::npos ? "" : option.substr(space + 1);
-    while (!value.empty() && value.back() == ' ') value.pop_back();
-    (*options)[option.substr(0, space)] = value;
-    at = end == std::string::npos ? end : end + 1;
+  for (std::size_t at = 0; (at = text.find_first_not_of(' ', at)) != std::string::npos;) {
+    const std::string option = text.substr(at, text.find(' ', at) - at), name = option.substr(1);
+    std::string value;
+    if (const auto left = unused.find(name); left != unused.end()) {
+      value = left->second;
+    } else {
+      const char *used = nullptr;
+      PetscBool found = PETSC_FALSE;
+      PetscCall(PetscOptionsFindPair(database, nullptr, option.c_str(), &used, &found));
+      if (found && used) value = used;
+    }
+    (*options)[name] = value;
+    at += option.size() + 1 + value.size();
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

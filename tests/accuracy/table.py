@@ -3,6 +3,7 @@
 runs build/tests/accuracy/table_case, prints a Markdown table and draws it. Run by hand; times are of
 this machine: compare rows of one run.
 
+    cmake --build build --target table_case
     tests/accuracy/table.py [--plane] [-o errors.png] [--csv errors.csv]
 """
 import argparse
@@ -78,6 +79,8 @@ def main():
     parser.add_argument("-o", "--output", help="picture, for example errors.png")
     parser.add_argument("--csv", help="the rows as comma-separated values")
     arguments = parser.parse_args()
+    if not os.path.exists(PROGRAM):
+        sys.exit(f"table.py: there is no {PROGRAM}; cmake --build build --target table_case")
     elements = PLANE if arguments.plane else SPACE
     print("| " + " | ".join(COLUMNS) + " |\n" + "|---" * len(COLUMNS) + "|")
     rows = list(rows_of(elements))

@@ -10,9 +10,11 @@ import argparse
 import json
 import os
 import subprocess
+import sys
 import tempfile
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+TREFOIL = os.path.join(ROOT, "build", "trefoil")
 PHASES = ("assembly", "filter", "linear_solve", "line_search")
 
 
@@ -20,7 +22,7 @@ def run(resolution, poisson, ranks, options):
     """The record of some iterations from the start, which are the ones that cost."""
     with tempfile.TemporaryDirectory() as folder:
         record = os.path.join(folder, "record.json")
-        words = [os.path.join(ROOT, "build", "trefoil"), "-options_file",
+        words = [TREFOIL, "-options_file",
                  os.path.join(ROOT, "examples", "knot.yaml"), "-output_file",
                  os.path.join(folder, "knot.xdmf"), "-snes_trefoil_record", record,
                  "-mesh_resolution", resolution, "-material_poisson", poisson,
@@ -29,8 +31,13 @@ def run(resolution, poisson, ranks, options):
             words = ["mpirun", "-n", ranks, *words]
         environment = dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1",
                            OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1")
-        subprocess.run(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env=environment,
-                       check=False)  # five iterations do not converge, and exit with 3
+        if not os.path.exists(TREFOIL):
+            sys.exit(f"cost_model.py: there is no {TREFOIL}; cmake --build build --target trefoil")
+        result = subprocess.run(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                                env=environment, check=False)
+        if not os.path.exists(record):  # five iterations that do not converge leave one
+            said = [line for line in result.stdout.splitlines() if line.startswith("trefoil: ")]
+            sys.exit(f"cost_model.py: {said[0] if said else 'the program left no record'}")
         with open(record, encoding="utf-8") as file:
             return json.load(file)
 

@@ -225,6 +225,9 @@ MATERIALS = [
      ["-material_mu", "-material_poisson"]),
     ("negative mu", scene(material_mu="-1", material_lambda="1"), ["-material_mu", "-1"]),
     ("second invariant", scene(material_second_invariant="2"), ["second_invariant", "2"]),
+    ("second invariant of a model without",
+     scene(material_model="arap", material_second_invariant="0.3"),
+     ["-material_model arap", "second_invariant"]),
     ("negative density", scene(material_density="-1"), ["-material_density", "-1"]),
 ]
 
@@ -267,6 +270,9 @@ REGIONS_AND_LOADS = [
     ("steps of nothing", scene(load_steps="3"), ["-load_steps 3", "depend on t"]),
     ("other vertices", low(where="z <= t/2", move="0, 0, t") + ["-load_steps", "2"],
      ["other vertices", "depend on t"]),
+    ("steps too long", low(where="abs(z - 0.5) == 0.5", move="0, 0, -1.5*z*t") +
+     ["-load_steps", "2", "-initial", "rest", "-material_model", "neo_hookean"],
+     ["invert", "more -load_steps than 2"]),
     ("gravity without mass", scene(load_gravity="0, 0, -9.81"), ["-material_density"]),
     ("gravity of two values", scene(load_gravity="0, -9.81", material_density="1"),
      ["-load_gravity", "2 values"]),
@@ -296,6 +302,15 @@ OPTIONS = [
     ("weight without its filter", scene(snes_trefoil_weight="0.3"), ["-snes_trefoil_weight"]),
     ("negative tolerance", scene(snes_trefoil_energy_tolerance="-1"),
      ["-snes_trefoil_energy_tolerance"]),
+    ("too many corrections", scene(snes_trefoil_corrections="2147483648"),
+     ["-snes_trefoil_corrections is 2147483648"]),
+    ("no step at all", scene(snes_linesearch_damping="0"), ["-snes_linesearch_damping is 0"]),
+    ("misspelt shrink", scene(snes_linesearch_shrinc="0.5"), ["-snes_linesearch_shrinc"]),
+    ("misspelt shrink, newtonls", scene(snes_linesearch_shrinc="0.5") + NEWTONLS,
+     ["-snes_linesearch_shrinc"]),
+    ("misspelt -guess_pc_type", low(move="0.1*y, 0, 0") + ["-guess_pc_typ", "jacobi"],
+     ["-guess_pc_typ;"]),
+    ("solver of no guess", scene(initial="rest", guess_pc_type="jacobi"), ["-guess_pc_type;"]),
     ("another line search", scene(snes_linesearch_type="bt"), ["'bt'", "newtonls"]),
     ("cubic elements", scene(order="3"), ["-order", "3"]),
     ("unknown space", scene(snes_trefoil_space="strain"), ["-snes_trefoil_space", "strain"]),
@@ -307,6 +322,8 @@ OPTIONS = [
     ("loose in the plane", scene(mesh_generate="square", constraint_low_where="y == ymin",
                                  constraint_low_move="free, 0"), ["of 3 rigid-body modes"]),
     ("unknown start", scene(initial="nonsense"), ["-initial", "nonsense"]),
+    *((f"steps of {start}", scene(initial=start, initial_steps="5"), ["-initial_steps", start])
+      for start in ("rest", "harmonic")),
     ("start without displacement", scene(initial="expression"), ["-initial_displacement"]),
     ("displacement without its start", scene(initial_displacement="0, 0, z"),
      ["-initial_displacement", "-initial expression"]),
@@ -508,6 +525,13 @@ class StrangeButRight(WithInputs):
 
     def test_unused_options_are_named(self):
         list(self.check_runs(scene(ksp_rotl="1e-3"), ["nothing here used -ksp_rotl\n"]))
+
+    def test_options_of_guess_and_line_search(self):
+        tuning = ["-guess_pc_type", "jacobi", "-guess_ksp_type", "cg", "-initial_steps", "2",
+                  "-snes_linesearch_shrink", "0.5", "-snes_linesearch_monitor",
+                  "-snes_trefoil_corrections", "2", "-snes_linesearch_damping", "0.9"]
+        for move in ("0.1*y, 0, 0", "0, 0, 0"):  # with and without anything to spread
+            list(self.check_runs(low(move=move) + tuning, ["converged in"]))
 
     def test_not_converged(self):
         arguments = low(where="abs(z - 0.5) == 0.5", move="0, 0, 0.5*z") + ["-snes_max_it", "1"]

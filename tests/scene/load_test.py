@@ -111,6 +111,16 @@ class LoadSteps(unittest.TestCase):
         self.assertEqual(path["result"]["iterations"], len(history))
         self.assertEqual(path["result"]["line_search_trials"],
                          sum(entry["trials"] for entry in history))
+        self.assertEqual(sum(path["result"]["load_step_iterations"]), len(history))
+        solves = [entry["linear_solves"] for entry in history]
+        self.assertEqual(solves, sorted(solves))
+        self.assertLessEqual(solves[-1], path["result"]["linear_solves"])
+        # No error of the last step is small before that one begins.
+        before = sum(path["result"]["load_step_iterations"][:-1])
+        table = path["result"]["error_table"]
+        self.assertGreater(len(table), 4)
+        self.assertGreater(table[0]["iterations"], before)
+        self.assertGreater(table[-1]["linear_solves"], solves[before - 1])
         seconds = [entry["seconds"] for entry in history]
         self.assertEqual(seconds, sorted(seconds))
         self.assertLessEqual(seconds[-1], path["time"]["total"])

@@ -107,6 +107,14 @@ class Levels(unittest.TestCase):
         self.assertEqual(levels[1e-3], (3, 10, 3.0))
         self.assertEqual(levels[1e-8], (4, 11, 4.0))
 
+    def test_only_the_last_load_step_comes_close(self):
+        path = record_with([1.0, 0.5, 9.0, 5.0])
+        for k, entry in enumerate(path["history"]):
+            entry["load_step"] = 1 if k < 2 else 2
+        references, judged = judge(path)
+        self.assertEqual(judged[SCENE, METHODS[0]].levels[1e-1], (4, 4, 4.0))
+        self.assertEqual(judgement.stop_at(path, references[SCENE], 1e-2), (3, 2.0))
+
     def test_another_minimum_never_comes_close(self):
         _, judged = judge(record_with([4.0, 0.0]), record_with([4.0, 1.0, 0.1]))
         levels = judged[SCENE, METHODS[1]].levels
@@ -205,6 +213,35 @@ json.dump({"run": count, "history": [{"seconds": 2 + count % 2}],
         runner, record = self.run_all(options=["-fail"])
         self.assertIsNone(record)
         self.assertIn("there is no such mesh", runner.summary(SCENE, METHODS[0], None))
+
+
+class Refusals(unittest.TestCase):
+    """What makes no study: one sentence, and no exit status 0."""
+
+    def check_tool(self, tool, arguments, status, word):
+        result = subprocess.run(["/usr/bin/python3", os.path.join(ROOT, tool), *arguments],
+                                stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                                env=environment(), check=False)
+        self.assertEqual(result.returncode, status, result.stdout)
+        self.assertIn(word, result.stdout)
+        self.assertNotIn("Traceback", result.stdout)
+
+    def check(self, arguments, status, word):
+        with tempfile.TemporaryDirectory() as folder:
+            self.check_tool("examples/speed_against_error", [
+                "--quick", "--program", PROGRAM, "-o", folder, *arguments], status, word)
+
+    def test_what_is_not_there(self):
+        self.check(["--scenes", "nofile.yaml"], 2, "'nofile.yaml'")
+        self.check(["--paper", "/nonexistent"], 2, "/nonexistent/reference/official.csv")
+        self.check(["--rules", "nonsense"], 1, "'nonsense'")
+
+    def test_cost_model(self):
+        self.check_tool("tests/benchmarks/cost_model.py", ["nonsense"], 1, "cost_model.py: ")
+
+    def test_no_run_left_an_energy(self):
+        self.check(["--only", "stretch .3", "--guesses", "rest", "--searches", "armijo", "--",
+                    "-mesh_file", "nofile.mesh"], 1, "no run left an energy")
 
 
 class QuickRun(unittest.TestCase):

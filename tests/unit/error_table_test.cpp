@@ -70,6 +70,18 @@ TEST(ErrorTableTest, TheLastStateMayHaveNoDirectionOfItsOwn) {
   EXPECT_EQ(column(error_table(run), "iterations"), (std::vector<int>{2, 2, 2, 2, 2, 2, 2, 2}));
 }
 
+TEST(ErrorTableTest, OnlyTheLastLoadStepIsNearTheEndAndAllAreCounted) {
+  // In the first step, of three directions and a last state without one, energies are lower.
+  Json run = run_with({-1, -2, -3, -4, 1, 0.05, 1e-6, 0}, 1e-12);
+  for (std::size_t k = 0; k < 8; ++k) run["history"][k]["load_step"] = k < 4 ? 1 : 2;
+  run["result"]["iterations"] = 7;
+  run["result"]["load_step_iterations"] = {3, 4};
+  const Json table = error_table(run);
+  EXPECT_EQ(column(table, "iterations"), (std::vector<int>{5, 6, 6, 6, 6, 6, 7, 7}));
+  EXPECT_EQ(column(table, "linear_solves"), (std::vector<int>{6, 7, 7, 7, 7, 7, 8, 8}));
+  EXPECT_EQ(table.front().at("seconds"), 12);
+}
+
 TEST(ErrorTableTest, OnlyErrorsThatTheLastDecrementSupports) {
   for (const auto &[decrement, levels] :
        {std::pair{1e-9, 8u}, {1.1e-9, 7u}, {1e-8, 7u}, {9e-5, 3u}, {1e-2, 1u}, {0.02, 0u}})

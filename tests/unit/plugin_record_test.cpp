@@ -46,6 +46,25 @@ TEST(RecordTest, HasEveryKeyOfTheContract) {
       EXPECT_TRUE(entry.contains(name)) << "history." << name;
 }
 
+TEST(RecordTest, OptionsAreWhatTheUserGave) {
+  const char *turned = "4, -z - y, y -z", *empty = "";
+  PetscBool used = PETSC_TRUE;
+  Host host;
+  host.option("used", turned);
+  host.option("without_value", empty);
+  host.option("unused", turned);
+  ASSERT_EQ(PetscOptionsHasName(nullptr, nullptr, "-chain_used", &used), PETSC_SUCCESS);
+  run(host, {{"snes_trefoil_filter", "clamp"}});
+  const auto &options = host.record.at("solver").at("options");
+  EXPECT_EQ(options.value("chain_used", ""), turned);
+  EXPECT_EQ(options.value("chain_unused", ""), turned);
+  EXPECT_EQ(options.value("chain_without_value", "none"), empty);
+  EXPECT_EQ(options.value("chain_snes_trefoil_filter", ""), "clamp");
+  for (const auto &[name, value] : options.items()) EXPECT_EQ(name.find_first_of(" ,-"), name.npos);
+  ASSERT_EQ(PetscOptionsUsed(nullptr, "chain_unused", &used), PETSC_SUCCESS);
+  EXPECT_FALSE(used);  // nor does the record make it look used
+}
+
 class FilterTest : public testing::TestWithParam<const char *> {};
 INSTANTIATE_TEST_SUITE_P(Filters, FilterTest, testing::Values("adaptive", "clamp", "absolute"),
                          [](const auto &each) { return std::string(each.param); });

@@ -1,0 +1,30 @@
+#include "scene/solver_help.hpp"
+
+#include "petsc_compatibility.hpp"
+#include "snes/solve_context.hpp"
+
+namespace trefoil {
+
+PetscErrorCode print_solver_help(MPI_Comm comm) {
+  SNES snes = nullptr;
+  SolveContext *context = nullptr;
+  KSP ksp = nullptr;
+  PC pc = nullptr;
+  PetscFunctionBeginUser;
+  PetscCall(SNESCreate(comm, &snes));
+  PetscCall(SNESSetType(snes, SNESTREFOIL));
+  PetscCall(get_solve_context(snes, &context));
+  // The program's defaults, as solve.cpp sets them.
+  context->options.monitor = true;
+  context->options.search = "subspace";
+  context->options.verify_minimum = true;
+  PetscCall(SNESGetKSP(snes, &ksp));
+  PetscCall(KSPSetType(ksp, KSPPREONLY));
+  PetscCall(KSPGetPC(ksp, &pc));
+  PetscCall(PCSetType(pc, PCCHOLESKY));
+  PetscCall(SNESSetFromOptions(snes));  // which is what prints them
+  PetscCall(SNESDestroy(&snes));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+}  // namespace trefoil
