@@ -82,7 +82,13 @@ PetscErrorCode set_solver(KSP ksp) {
     if (ranks == 1) PetscCall(PCFactorSetMatSolverType(pc, MATSOLVERCHOLMOD));
 #endif
 #if defined(PETSC_HAVE_MUMPS)
-    if (ranks > 1) PetscCall(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
+    if (ranks > 1) {
+      PetscBool given = PETSC_FALSE;
+      PetscCall(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
+      // Its own guess of the memory, 20 % more than the analysis says, is sometimes short.
+      PetscCall(PetscOptionsHasName(nullptr, "guess_", "-mat_mumps_icntl_14", &given));
+      if (!given) PetscCall(PetscOptionsSetValue(nullptr, "-guess_mat_mumps_icntl_14", "100"));
+    }
 #endif
   }
   PetscCall(KSPSetOptionsPrefix(ksp, "guess_"));

@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "petsc_compatibility.hpp"
+#include "scene/initial_displacement.hpp"
 #include "scene/option_reader.hpp"
 
 namespace trefoil {
@@ -114,8 +115,9 @@ PetscErrorCode check_values(MPI_Comm comm, const SceneOptions &options) {
   PetscCheck(options.initial_steps >= 0, comm, PETSC_ERR_USER_INPUT,
              "-initial_steps must not be negative");
   PetscCall(PetscOptionsHasName(nullptr, nullptr, "-initial_steps", &has_steps));
-  PetscCheck(!has_steps || options.initial == "arap", comm, PETSC_ERR_USER_INPUT,
-             "-initial_steps is for -initial arap; the start is '%s'", options.initial.c_str());
+  const std::string initial = choose_initial(options);
+  PetscCheck(!has_steps || initial == "arap", comm, PETSC_ERR_USER_INPUT,
+             "-initial_steps is for -initial arap; the start is '%s'", initial.c_str());
   PetscCheck(options.order >= 0 && options.order <= 2, comm, PETSC_ERR_USER_INPUT,
              "-order is %" PetscInt_FMT
              "; elements are linear (1), quadratic (2), or as the mesh has them (0)",

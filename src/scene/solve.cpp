@@ -94,9 +94,7 @@ PetscErrorCode set_default_linear_solver(SNES snes) {
   if (may_be_indefinite) PetscCall(set_unless_given("-mat_mumps_icntl_13", "1"));
   // Its own guess of the memory, 20 % more than the analysis says, is sometimes short of one
   // number.
-  for (const char *option : {"-mat_mumps_icntl_14", "-guess_mat_mumps_icntl_14"}) {
-    PetscCall(set_unless_given(option, "100"));
-  }
+  PetscCall(set_unless_given("-mat_mumps_icntl_14", "100"));
 #endif
   PetscFunctionReturn(PETSC_SUCCESS);
 }
