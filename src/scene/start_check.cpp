@@ -9,7 +9,8 @@
 namespace trefoil {
 namespace {
 
-/// Where nothing has to be spread over the body, no solver of the guess has read its options.
+/// Refuses options that nothing has used so far. Where every displacement is zero, no solver of the
+/// guess was there to use them, and they are not wrong.
 PetscErrorCode check_tuning(const Scene &scene) {
   const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(scene.mesh.dm));
   PetscReal moved = 0;

@@ -48,14 +48,15 @@ PetscErrorCode refuse_misspelt(SNES snes) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// What PETSc reads as something else, or what only our line search takes for an error.
-PetscErrorCode check_texts(PetscOptions database, const char *prefix, PetscInt corrections,
-                           MPI_Comm comm) {
+/// Values that PETSc takes without a word: of a whole number that is too large it makes another
+/// one, and a damping of zero would let no step move.
+PetscErrorCode check_unchecked(PetscOptions database, const char *prefix, int corrections,
+                               MPI_Comm comm) {
   PetscReal written = 0, damping = 1;
   PetscBool found = PETSC_FALSE;
   PetscFunctionBeginUser;
   PetscCall(PetscOptionsGetReal(database, prefix, "-snes_trefoil_corrections", &written, &found));
-  PetscCheck(!found || written == static_cast<PetscReal>(corrections), comm, PETSC_ERR_USER_INPUT,
+  PetscCheck(!found || written == corrections, comm, PETSC_ERR_USER_INPUT,
              "-snes_trefoil_corrections is %.15g, which is too large or no whole number", written);
   PetscCall(PetscOptionsGetReal(database, prefix, "-snes_linesearch_damping", &damping, nullptr));
   PetscCheck(damping > 0, comm, PETSC_ERR_USER_INPUT,
@@ -237,7 +238,7 @@ PetscErrorCode set_options(SolveContext &context) {
   options.trust_start = trust_start == PETSC_TRUE;
   options.verify_minimum = verify_minimum == PETSC_TRUE;
   options.monitor = monitor == PETSC_TRUE;
-  PetscCall(check_texts(database, prefix, corrections, comm));
+  PetscCall(check_unchecked(database, prefix, options.corrections, comm));
   PetscCall(check_values(options, comm));
   PetscCheck(!constant_weight || options.filter == "constant", comm, PETSC_ERR_USER_INPUT,
              "-snes_trefoil_weight is for -snes_trefoil_filter constant; the filter is '%s'",

@@ -110,7 +110,7 @@ TEST_P(Tet4PacksTest, SumsOfNeighboursAreThoseOfThePlainElements) {
     };
     *result = {code_of(0, 0), static_cast<std::int32_t>(n)};
     if (is_partly_held(v) || is_partly_held(w)) {
-      *result = {static_cast<std::int32_t>(4 * (fan_sums.numbers.size() / 9)), 0};
+      *result = {static_cast<std::int32_t>(4 * fan_sums.numbers.size()), 0};
       for (std::size_t k = 0; k < 9; ++k) {
         const bool held = is_held(3 * v + k / 3) || is_held(3 * w + k % 3);
         fan_sums.numbers.push_back(held ? -1 : code_of(k / 3, k % 3));
