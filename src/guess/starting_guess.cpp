@@ -61,6 +61,28 @@ PetscErrorCode ComponentSolver::find_unknowns(const Discretization &discretizati
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// MUMPS's own guess of its memory, 20 % more than the analysis says, is sometimes short.
+/// -guess_mat_mumps_icntl_14, read later, has the last word.
+PetscErrorCode give_mumps_memory(PC pc) {
+  PetscFunctionBeginUser;
+#if defined(PETSC_HAVE_MUMPS)
+  PetscBool cholesky = PETSC_FALSE, mumps = PETSC_FALSE;
+  MatSolverType solver = nullptr;
+  Mat factor = nullptr;
+  PetscCall(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(pc), PCCHOLESKY, &cholesky));
+  if (!cholesky) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PCFactorGetMatSolverType(pc, &solver));
+  PetscCall(PetscStrcmp(solver, MATSOLVERMUMPS, &mumps));
+  if (!mumps) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PCFactorSetUpMatSolverType(pc));
+  PetscCall(PCFactorGetMatrix(pc, &factor));
+  PetscCall(MatMumpsSetIcntl(factor, 14, 100));
+#else
+  static_cast<void>(pc);
+#endif
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /// Direct, like the Hessian's; where the user has chosen another preconditioner for that one,
 /// conjugate gradients with multigrid, which Laplace's matrix is made for.
 PetscErrorCode set_solver(KSP ksp) {
@@ -82,17 +104,12 @@ PetscErrorCode set_solver(KSP ksp) {
     if (ranks == 1) PetscCall(PCFactorSetMatSolverType(pc, MATSOLVERCHOLMOD));
 #endif
 #if defined(PETSC_HAVE_MUMPS)
-    if (ranks > 1) {
-      PetscBool given = PETSC_FALSE;
-      PetscCall(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
-      // Its own guess of the memory, 20 % more than the analysis says, is sometimes short.
-      PetscCall(PetscOptionsHasName(nullptr, "guess_", "-mat_mumps_icntl_14", &given));
-      if (!given) PetscCall(PetscOptionsSetValue(nullptr, "-guess_mat_mumps_icntl_14", "100"));
-    }
+    if (ranks > 1) PetscCall(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
 #endif
   }
   PetscCall(KSPSetOptionsPrefix(ksp, "guess_"));
   PetscCall(KSPSetFromOptions(ksp));
+  PetscCall(give_mumps_memory(pc));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -5,6 +5,7 @@
 #include "petsc_compatibility.hpp"
 #include "scene/initial_displacement.hpp"
 #include "scene/load_steps.hpp"
+#include "scene/solver_help.hpp"
 #include "scene/start_check.hpp"
 #include "snes/solve_context.hpp"
 
@@ -109,9 +110,7 @@ PetscErrorCode set_defaults(SNES snes, const SolveOutcome &outcome, double head_
   PetscCall(SNESGetTolerances(snes, &absolute, nullptr, &step, &iterations, &functions));
   PetscCall(SNESSetTolerances(snes, absolute, 0, step, iterations, functions));
   PetscCall(get_solve_context(snes, &context));
-  context->options.monitor = true;
-  context->options.search = "subspace";
-  context->options.verify_minimum = true;
+  set_program_defaults(context->options);
   context->options.trust_start = outcome.guess.linear_solves > 0 || outcome.inverted_at_start == 0;
   context->head_start = head_start;
   PetscCall(set_default_linear_solver(snes));

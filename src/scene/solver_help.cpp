@@ -5,6 +5,12 @@
 
 namespace trefoil {
 
+void set_program_defaults(SolverOptions &options) {
+  options.monitor = true;
+  options.search = "subspace";
+  options.verify_minimum = true;
+}
+
 PetscErrorCode print_solver_help(MPI_Comm comm) {
   SNES snes = nullptr;
   SolveContext *context = nullptr;
@@ -14,10 +20,7 @@ PetscErrorCode print_solver_help(MPI_Comm comm) {
   PetscCall(SNESCreate(comm, &snes));
   PetscCall(SNESSetType(snes, SNESTREFOIL));
   PetscCall(get_solve_context(snes, &context));
-  // The program's defaults, as solve.cpp sets them.
-  context->options.monitor = true;
-  context->options.search = "subspace";
-  context->options.verify_minimum = true;
+  set_program_defaults(context->options);
   PetscCall(SNESGetKSP(snes, &ksp));
   PetscCall(KSPSetType(ksp, KSPPREONLY));
   PetscCall(KSPGetPC(ksp, &pc));

@@ -138,8 +138,11 @@ PetscErrorCode compute_filtered_jacobian(SNES snes, Vec x, Mat J, Mat H, void *c
       !filtered || eigenvalue_floor(context).share == 0 ||
           (context.options.space == "element" && (!context.split_jacobian || context.obeys_floor)),
       comm, PETSC_ERR_USER_INPUT,
-      "-snes_trefoil_floor is for whole element matrices that Trefoil splits; leave it out "
-      "with -snes_trefoil_space deformation and with split callbacks of your own");
+      "-snes_trefoil_filter %s keeps eigenvalues above %g of an element's largest "
+      "(-snes_trefoil_floor), in whole element matrices that Trefoil splits; with "
+      "-snes_trefoil_space deformation or split callbacks of your own use another filter, or "
+      "-snes_trefoil_floor 0",
+      context.options.filter.c_str(), eigenvalue_floor(context).share);
 
   context.clock.switch_to(Phase::assembly);
   PetscCall(PetscLogEventBegin(event_assembly, snes, x, H, nullptr));

@@ -80,7 +80,7 @@ PetscErrorCode sample(SolveContext &context, const Line &line, const Plane &plan
 }  // namespace
 
 bool searches_plane(SolveContext &context, const Line &line) {
-  if (context.options.search != "subspace" || line.lifted || !line.has_objective) return false;
+  if (context.options.search != "subspace" || line.lifted) return false;
   context.trusted = context.trusted ||
                     (!context.history.empty() &&
                      std::abs(context.history.back().rho - 1) < context.options.rule.rho_tolerance);

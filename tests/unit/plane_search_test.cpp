@@ -247,17 +247,6 @@ TEST(PlaneSearchTest, DoesWithTheObjectiveAlone) {
   expect_descent(without);
 }
 
-TEST(PlaneSearchTest, WithoutAnObjectiveIsAPlainLineSearch) {
-  Pulled armijo("armijo"), subspace("subspace");
-  for (Pulled *host : {&armijo, &subspace}) {
-    host->with_objective = false;
-    host->option("snes_trefoil_trust_start", "true");
-  }
-  ASSERT_EQ(armijo.run(), PETSC_SUCCESS);
-  ASSERT_EQ(subspace.run(), PETSC_SUCCESS);
-  EXPECT_EQ(subspace.solution, armijo.solution);
-}
-
 TEST(PlaneSearchTest, InfiniteSamplesLeaveTheDirectionAsItIs) {
   Pulled armijo("armijo"), subspace("subspace");
   for (Pulled *host : {&armijo, &subspace}) {
