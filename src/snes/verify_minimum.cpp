@@ -99,8 +99,8 @@ PetscErrorCode classify(SolveContext &context, WorkVectors &work, StationaryPoin
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// Halves steps along the negative curvature from one as large as the deformation itself, as long
-/// as that lowers the energy; both ends of the direction are tried.
+/// Halves steps along the negative curvature, downhill, from one as large as the deformation itself,
+/// as long as that lowers the energy.
 PetscErrorCode descend_from_saddle(SolveContext &context, const NegativeCurvature &found,
                                    Line &line, bool *lower) {
   constexpr int most_halvings = 40;
