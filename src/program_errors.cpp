@@ -217,7 +217,11 @@ bool can_read_arguments(int argc, char **argv) {
 }
 
 void use_one_thread_a_rank() {
-  if (std::getenv("OMP_NUM_THREADS") || std::getenv("OPENBLAS_NUM_THREADS")) return;
+  for (const char *name : {"OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"}) {
+    const char *wish = std::getenv(name);
+    // One thread is what is wanted; but CHOLMOD opens its parallel regions all the same.
+    if (wish && std::string(wish) != "1") return;
+  }
   // Both libraries have read their environment by now, and CHOLMOD asks OpenMP for threads itself;
   // only calls help. They exist where these libraries do.
   if (auto *set =
