@@ -6,8 +6,8 @@
 
 #include "assembly/element_places.hpp"
 #include "filter/reduced_filter.hpp"
-#include "petsc_compatibility.hpp"
-#include "snes/log_events.hpp"
+#include "support/log_events.hpp"
+#include "support/petsc_compatibility.hpp"
 #include "term/packed_elements.hpp"
 
 namespace trefoil {

@@ -1,6 +1,6 @@
 #include "assembly/element_places.hpp"
 
-#include "petsc_compatibility.hpp"
+#include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
 

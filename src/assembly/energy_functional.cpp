@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "assembly/hessian_assembler.hpp"
-#include "petsc_compatibility.hpp"
 #include "snes/solve_context.hpp"
+#include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
 namespace {

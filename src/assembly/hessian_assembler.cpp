@@ -3,8 +3,8 @@
 #include <petsctime.h>
 
 #include "filter/filter.hpp"
-#include "petsc_compatibility.hpp"
-#include "snes/log_events.hpp"
+#include "support/log_events.hpp"
+#include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
 

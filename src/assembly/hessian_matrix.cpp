@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "assembly/discretization.hpp"
-#include "petsc_compatibility.hpp"
+#include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
 namespace {

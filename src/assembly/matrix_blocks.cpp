@@ -9,7 +9,7 @@
 #include <numeric>
 #include <tuple>
 
-#include "petsc_compatibility.hpp"
+#include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
 namespace {

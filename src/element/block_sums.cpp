@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <tuple>
 
-#include "petsc_compatibility.hpp"
+#include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
 namespace {

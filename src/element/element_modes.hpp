@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "material/pack.hpp"
+#include "simd/pack.hpp"
 
 namespace trefoil {
 

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "input_error.hpp"
 #include "material/material_model.hpp"
+#include "support/input_error.hpp"
 
 namespace trefoil {
 

@@ -4,7 +4,7 @@
 #include <type_traits>
 
 #include "material/material_list.hpp"
-#include "material/pack.hpp"
+#include "simd/pack.hpp"
 
 namespace trefoil {
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "material/branch_free.hpp"
 #include "material/matrix3.hpp"
+#include "simd/branch_free.hpp"
 
 namespace trefoil {
 

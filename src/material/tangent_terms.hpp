@@ -1,8 +1,8 @@
 #pragma once
 
-#include "material/branch_free.hpp"
 #include "material/matrix3.hpp"
 #include "material/polar.hpp"
+#include "simd/branch_free.hpp"
 
 namespace trefoil {
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "petsc_compatibility.hpp"
+#include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
 namespace {

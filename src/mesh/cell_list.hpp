@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "input_error.hpp"
+#include "support/input_error.hpp"
 
 namespace trefoil {
 

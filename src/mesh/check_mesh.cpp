@@ -1,4 +1,4 @@
-#include "check_mesh.hpp"
+#include "mesh/check_mesh.hpp"
 
 #include <algorithm>
 #include <array>

@@ -4,7 +4,7 @@
 #include <numeric>
 
 #include "mesh/mesh.hpp"
-#include "petsc_compatibility.hpp"
+#include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
 namespace {

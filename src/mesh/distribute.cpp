@@ -6,7 +6,7 @@
 #include <sstream>
 
 #include "mesh/mesh.hpp"
-#include "petsc_compatibility.hpp"
+#include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
 namespace {

@@ -1,11 +1,11 @@
-#include "generate.hpp"
+#include "mesh/generate.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
-#include "sweep.hpp"
+#include "mesh/sweep.hpp"
 
 namespace trefoil {
 namespace {

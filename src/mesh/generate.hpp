@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "cell_list.hpp"
+#include "mesh/cell_list.hpp"
 
 namespace trefoil {
 

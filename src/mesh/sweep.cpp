@@ -1,4 +1,4 @@
-#include "sweep.hpp"
+#include "mesh/sweep.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -4,7 +4,7 @@
 #include <functional>
 #include <vector>
 
-#include "cell_list.hpp"
+#include "mesh/cell_list.hpp"
 
 namespace trefoil {
 

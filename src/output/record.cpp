@@ -3,7 +3,7 @@
 
 #include "output/error_table.hpp"
 #include "output/result.hpp"
-#include "petsc_compatibility.hpp"
+#include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
 namespace {

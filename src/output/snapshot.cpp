@@ -17,8 +17,8 @@
 #include <vector>
 
 #include "output/xdmf.hpp"
-#include "petsc_compatibility.hpp"
-#include "scene/collective_error.hpp"
+#include "support/collective_error.hpp"
+#include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
 namespace {

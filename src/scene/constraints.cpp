@@ -4,9 +4,9 @@
 #include <cmath>
 #include <sstream>
 
-#include "petsc_compatibility.hpp"
-#include "scene/collective_error.hpp"
 #include "scene/expression.hpp"
+#include "support/collective_error.hpp"
+#include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "input_error.hpp"
+#include "support/input_error.hpp"
 
 namespace trefoil {
 namespace {

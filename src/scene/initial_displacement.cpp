@@ -1,9 +1,9 @@
 #include "scene/initial_displacement.hpp"
 
 #include "mesh/cell_list.hpp"
-#include "petsc_compatibility.hpp"
-#include "scene/collective_error.hpp"
 #include "scene/expression.hpp"
+#include "support/collective_error.hpp"
+#include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
 namespace {

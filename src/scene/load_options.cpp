@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "petsc_compatibility.hpp"
+#include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
 

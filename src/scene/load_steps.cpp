@@ -2,9 +2,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "petsc_compatibility.hpp"
 #include "scene/constraints.hpp"
 #include "scene/loads.hpp"
+#include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
 

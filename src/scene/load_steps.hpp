@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "guess/starting_guess.hpp"
 #include "scene/scene.hpp"
+#include "scene/starting_guess.hpp"
 
 namespace trefoil {
 

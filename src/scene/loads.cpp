@@ -5,11 +5,11 @@
 #include <cmath>
 
 #include "element/isoparametric_element.hpp"
-#include "input_error.hpp"
 #include "mesh/boundary.hpp"
-#include "petsc_compatibility.hpp"
-#include "scene/collective_error.hpp"
 #include "scene/expression.hpp"
+#include "support/collective_error.hpp"
+#include "support/input_error.hpp"
+#include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
 namespace {

@@ -1,7 +1,7 @@
 #include "scene/material_options.hpp"
 
-#include "petsc_compatibility.hpp"
-#include "scene/collective_error.hpp"
+#include "support/collective_error.hpp"
+#include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
 namespace {

@@ -5,7 +5,7 @@
 #include <numeric>
 #include <sstream>
 
-#include "petsc_compatibility.hpp"
+#include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
 namespace {

@@ -5,10 +5,10 @@
 #include <charconv>
 #include <sstream>
 
-#include "input_error.hpp"
-#include "petsc_compatibility.hpp"
-#include "scene/collective_error.hpp"
 #include "scene/expression.hpp"
+#include "support/collective_error.hpp"
+#include "support/input_error.hpp"
+#include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
 namespace {

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <string>
 
-#include "petsc_compatibility.hpp"
 #include "scene/constraints.hpp"
+#include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
 namespace {

@@ -6,14 +6,14 @@
 
 #include "mesh/check_mesh.hpp"
 #include "mesh/generate.hpp"
+#include "mesh/io/read_mesh.hpp"
 #include "mesh/locality.hpp"
 #include "mesh/quadratic.hpp"
-#include "mesh/read_mesh.hpp"
-#include "petsc_compatibility.hpp"
-#include "scene/collective_error.hpp"
 #include "scene/constraints.hpp"
 #include "scene/loads.hpp"
 #include "scene/regions.hpp"
+#include "support/collective_error.hpp"
+#include "support/petsc_compatibility.hpp"
 #include "term/elastic_term.hpp"
 #include "term/element_term.hpp"
 

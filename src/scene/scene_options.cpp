@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "petsc_compatibility.hpp"
 #include "scene/initial_displacement.hpp"
 #include "scene/option_reader.hpp"
+#include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
 namespace {

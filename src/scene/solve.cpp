@@ -2,12 +2,12 @@
 
 #include <petsctime.h>
 
-#include "petsc_compatibility.hpp"
 #include "scene/initial_displacement.hpp"
 #include "scene/load_steps.hpp"
 #include "scene/solver_help.hpp"
 #include "scene/start_check.hpp"
 #include "snes/solve_context.hpp"
+#include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
 namespace {

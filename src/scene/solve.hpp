@@ -4,8 +4,8 @@
 
 #include <string>
 
-#include "guess/starting_guess.hpp"
 #include "scene/scene.hpp"
+#include "scene/starting_guess.hpp"
 
 namespace trefoil {
 

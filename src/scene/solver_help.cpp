@@ -1,7 +1,7 @@
 #include "scene/solver_help.hpp"
 
-#include "petsc_compatibility.hpp"
 #include "snes/solve_context.hpp"
+#include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
 

@@ -3,8 +3,8 @@
 #include <array>
 #include <cmath>
 
-#include "petsc_compatibility.hpp"
 #include "scene/option_reader.hpp"
+#include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
 namespace {

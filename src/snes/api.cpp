@@ -1,7 +1,7 @@
 // The functions of trefoil.h that set up and ask an SNES, see their comments there.
 
-#include "petsc_compatibility.hpp"
 #include "snes/solve_context.hpp"
+#include "support/petsc_compatibility.hpp"
 
 using trefoil::SolveContext;
 

@@ -2,9 +2,9 @@
 
 #include <cmath>
 
-#include "petsc_compatibility.hpp"
-#include "snes/matrix_operations.hpp"
+#include "hook/matrix_operations.hpp"
 #include "snes/solve_context.hpp"
+#include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
 namespace {

@@ -1,8 +1,8 @@
 #include <cmath>
 #include <cstdio>
 
-#include "petsc_compatibility.hpp"
 #include "snes/solve_context.hpp"
+#include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
 

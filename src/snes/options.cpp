@@ -4,8 +4,8 @@
 #include <cstring>
 #include <sstream>
 
-#include "petsc_compatibility.hpp"
 #include "snes/solve_context.hpp"
+#include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
 namespace {

@@ -1,7 +1,7 @@
 #include <petsc/private/petscimpl.h>
 
-#include "petsc_compatibility.hpp"
 #include "snes/solve_context.hpp"
+#include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
 PetscLogEvent event_filter = -1, event_assembly = -1, event_search = -1;

@@ -1,7 +1,7 @@
 #include <petsc/private/snesimpl.h>
 
-#include "petsc_compatibility.hpp"
 #include "snes/solve_context.hpp"
+#include "support/petsc_compatibility.hpp"
 
 extern "C" PetscErrorCode SNESCreate_NEWTONLS(SNES);
 

@@ -8,11 +8,12 @@
 #include <vector>
 
 #include "filter/filter.hpp"
-#include "snes/element_hook.hpp"
-#include "snes/iteration_record.hpp"
-#include "snes/log_events.hpp"
+#include "hook/element_hook.hpp"
+#include "rule/iteration_record.hpp"
+#include "rule/rule.hpp"
 #include "snes/phase_clock.hpp"
-#include "snes/rule.hpp"
+#include "support/log_events.hpp"
+#include "support/text_file.hpp"
 #include "trefoil.h"
 
 namespace trefoil {
@@ -164,12 +165,6 @@ PetscErrorCode monitor_iteration(const SolveContext &context, const IterationRec
 
 /// The JSON record of a finished solve. Collective: phases and counts are reduced over the ranks.
 PetscErrorCode make_record(SolveContext &context, std::string *json);
-
-/// Writes text beside `path` and renames: there is never half a file. On the first rank;
-/// collective, an error is one on all ranks.
-PetscErrorCode write_text_file(MPI_Comm comm, const std::string &path, const std::string &text);
-/// Whether `path` can be written; leaves nothing behind. Collective.
-PetscErrorCode check_text_file(MPI_Comm comm, const std::string &path);
 
 }  // namespace trefoil
 

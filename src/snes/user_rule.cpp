@@ -2,9 +2,9 @@
 
 #include <string>
 
-#include "petsc_compatibility.hpp"
-#include "snes/rule.hpp"
+#include "rule/rule.hpp"
 #include "snes/solve_context.hpp"
+#include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
 namespace {

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "petsc_compatibility.hpp"
+#include "support/petsc_compatibility.hpp"
 #include "term/term.hpp"
 
 namespace trefoil {

@@ -6,7 +6,7 @@
 #include "element/tet4_packs.hpp"
 #include "material/material_runs.hpp"
 #include "mesh/mesh.hpp"
-#include "petsc_compatibility.hpp"
+#include "support/petsc_compatibility.hpp"
 #include "term/term.hpp"
 
 namespace trefoil {

@@ -6,7 +6,7 @@
 #include "element/isoparametric_element.hpp"
 #include "filter/packed_filter.hpp"
 #include "material/spreading.hpp"
-#include "petsc_compatibility.hpp"
+#include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
 namespace {

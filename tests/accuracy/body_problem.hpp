@@ -12,7 +12,7 @@
 #include "assembly/energy_functional.hpp"
 #include "element/reference_element.hpp"
 #include "mesh/mesh.hpp"
-#include "petsc_compatibility.hpp"
+#include "support/petsc_compatibility.hpp"
 #include "term/element_term.hpp"
 
 namespace trefoil::accuracy {

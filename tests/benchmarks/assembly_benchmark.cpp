@@ -29,7 +29,7 @@
 #include "material/stable_neo_hookean.hpp"
 #include "mesh/generate.hpp"
 #include "one_thread.hpp"
-#include "petsc_compatibility.hpp"
+#include "support/petsc_compatibility.hpp"
 #include "term/elastic_term.hpp"
 
 using namespace trefoil;

@@ -13,7 +13,7 @@
 #include "mesh/generate.hpp"
 #include "mesh/locality.hpp"
 #include "mesh/quadratic.hpp"
-#include "petsc_compatibility.hpp"
+#include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
 namespace {

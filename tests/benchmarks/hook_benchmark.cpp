@@ -15,8 +15,8 @@
 #include <string>
 #include <vector>
 
-#include "petsc_compatibility.hpp"
-#include "snes/element_hook.hpp"
+#include "hook/element_hook.hpp"
+#include "support/petsc_compatibility.hpp"
 
 namespace {
 

@@ -22,7 +22,7 @@
 #include "material/stable_neo_hookean.hpp"
 #include "mesh/generate.hpp"
 #include "one_thread.hpp"
-#include "petsc_compatibility.hpp"
+#include "support/petsc_compatibility.hpp"
 #include "term/element_term.hpp"
 
 extern "C" void dsyevd_(const char *jobz, const char *uplo, const int *n, double *A, const int *lda,

@@ -13,7 +13,7 @@
 #include "assembly/energy_functional.hpp"
 #include "material/stable_neo_hookean.hpp"
 #include "mesh/generate.hpp"
-#include "petsc_compatibility.hpp"
+#include "support/petsc_compatibility.hpp"
 #include "term/elastic_term.hpp"
 #include "term/element_term.hpp"
 

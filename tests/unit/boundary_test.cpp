@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "mesh/generate.hpp"
-#include "petsc_compatibility.hpp"
+#include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
 namespace {

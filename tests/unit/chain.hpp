@@ -16,7 +16,7 @@
 #include <limits>
 #include <vector>
 
-#include "petsc_compatibility.hpp"
+#include "support/petsc_compatibility.hpp"
 #include "trefoil.h"
 
 namespace trefoil::test {

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "filter/filter.hpp"
-#include "petsc_compatibility.hpp"
+#include "support/petsc_compatibility.hpp"
 
 namespace trefoil::test {
 

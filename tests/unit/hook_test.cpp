@@ -4,7 +4,7 @@
 #include <petscmat.h>
 
 #include "element_matrices.hpp"
-#include "snes/matrix_operations.hpp"
+#include "hook/matrix_operations.hpp"
 
 namespace trefoil::test {
 namespace {

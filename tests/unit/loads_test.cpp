@@ -11,7 +11,7 @@
 #include "mesh/generate.hpp"
 #include "mesh/mesh.hpp"
 #include "mesh/quadratic.hpp"
-#include "petsc_compatibility.hpp"
+#include "support/petsc_compatibility.hpp"
 #include "term/dead_load_term.hpp"
 
 namespace trefoil {

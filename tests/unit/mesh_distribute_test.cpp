@@ -11,7 +11,7 @@
 #include "mesh/generate.hpp"
 #include "mesh/locality.hpp"
 #include "mesh/mesh.hpp"
-#include "petsc_compatibility.hpp"
+#include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
 namespace {

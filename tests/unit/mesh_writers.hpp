@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "mesh/cell_list.hpp"
-#include "mesh/read_mesh.hpp"
+#include "mesh/io/read_mesh.hpp"
 
 /// Writes small meshes in every format that is read, byte by byte as the formats' manuals have it.
 namespace trefoil::testing {

@@ -1,6 +1,6 @@
 // The polynomial that the plane search makes of sampled energies.
 
-#include "snes/polynomial.hpp"
+#include "search/polynomial.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // Every rule against hand-made sequences of iterations.
 
-#include "snes/rule.hpp"
+#include "rule/rule.hpp"
 
 #include <gtest/gtest.h>
 

@@ -21,7 +21,7 @@
 #include <string>
 #include <vector>
 
-#include "petsc_compatibility.hpp"
+#include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
 namespace {
