@@ -18,7 +18,7 @@ extern "C" {
 #endif
 
 /* The SNES type and the line-search type; both have the same name. */
-#define SNESTREFOIL           "trefoil"
+#define SNESTREFOIL "trefoil"
 #define SNESLINESEARCHTREFOIL "trefoil"
 
 /* Registers the SNES type, the line-search type and the log events; harmless when called again.
@@ -30,8 +30,8 @@ PetscErrorCode PetscDLLibraryRegister_trefoil(void);
 
 /* What a split Jacobian callback reports of one evaluation. Counts and seconds of this rank. */
 typedef struct {
-  PetscInt64     elements;       /* elements evaluated */
-  PetscInt64     indefinite;     /* of these, with at least one negative eigenvalue */
+  PetscInt64 elements;           /* elements evaluated */
+  PetscInt64 indefinite;         /* of these, with at least one negative eigenvalue */
   PetscLogDouble filter_seconds; /* spent in eigenvalue filtering */
 } TrefoilSplitStatistics;
 
@@ -45,10 +45,11 @@ typedef struct {
    The SNES owns N afterwards. Where no rank has an indefinite element N need not be touched.
 */
 typedef PetscErrorCode (*TrefoilSplitJacobianFunction)(SNES snes, Vec x, Mat H, Mat *negative,
-                                                       TrefoilSplitStatistics *statistics, void *ctx);
+                                                       TrefoilSplitStatistics *statistics,
+                                                       void *ctx);
 
-/* Sets the split Jacobian callback and the matrix H + 2 w N is formed in; replaces SNESSetJacobian().
-   With a SNES or line search of another type H stays unfiltered. */
+/* Sets the split Jacobian callback and the matrix H + 2 w N is formed in; replaces
+   SNESSetJacobian(). With a SNES or line search of another type H stays unfiltered. */
 PetscErrorCode TrefoilSNESSetSplitJacobian(SNES snes, Mat H, TrefoilSplitJacobianFunction function,
                                            void *ctx);
 
@@ -61,6 +62,15 @@ PetscErrorCode TrefoilSNESSetSplitJacobian(SNES snes, Mat H, TrefoilSplitJacobia
 */
 typedef PetscErrorCode (*TrefoilEnergyScaleFunction)(SNES snes, Vec x, PetscReal *scale, void *ctx);
 PetscErrorCode TrefoilSNESSetEnergyScale(SNES snes, TrefoilEnergyScaleFunction function, void *ctx);
+
+/*
+   TrefoilSNESSetEnergyOffset - a constant of the energy that the objective leaves out
+
+   Logically collective. What the monitor and the record show is the objective plus `offset`, in
+   energy units; 0 unless set. An objective that is zero at rest keeps the digits that a constant,
+   psi(I) V of all elements say, would drown; rules, searches and stop tests never see the constant.
+*/
+PetscErrorCode TrefoilSNESSetEnergyOffset(SNES snes, PetscReal offset);
 
 /*
    A callback for energies at many points of a line or plane through x, in one pass over the
@@ -111,12 +121,12 @@ PetscErrorCode TrefoilMatSetElementValues(Mat matrix, PetscInt n, const PetscInt
 
 /* One finished iteration, as a rule of one's own sees it. NaN stands for "does not apply". */
 typedef struct {
-  PetscInt  k;          /* from 0 */
+  PetscInt k;           /* from 0 */
   PetscReal energy;     /* before the step */
   PetscReal weight;     /* w of H + 2 w N */
   PetscReal rho;        /* trust-region ratio of the step */
   PetscReal step;       /* step length */
-  PetscInt  trials;     /* energies evaluated in the search */
+  PetscInt trials;      /* energies evaluated in the search */
   PetscReal decrement;  /* |g'd| / 2 */
   PetscReal indefinite; /* share of elements with a negative eigenvalue */
 } TrefoilIteration;

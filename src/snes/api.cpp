@@ -27,6 +27,17 @@ PetscErrorCode TrefoilSNESSetEnergyScale(SNES snes, TrefoilEnergyScaleFunction f
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode TrefoilSNESSetEnergyOffset(SNES snes, PetscReal offset) {
+  SolveContext *context = nullptr;
+  PetscFunctionBegin;
+  PetscCheck(!PetscIsInfOrNanReal(offset),
+             PetscObjectComm(reinterpret_cast<PetscObject>(snes)), PETSC_ERR_ARG_OUTOFRANGE,
+             "the energy offset is %g and must be finite", offset);
+  PetscCall(trefoil::get_solve_context(snes, &context));
+  context->energy_offset = offset;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode TrefoilSNESSetEnergyChanges(SNES snes, TrefoilEnergyChangesFunction function,
                                            void *ctx) {
   SolveContext *context = nullptr;

@@ -21,9 +21,10 @@ PetscErrorCode monitor_iteration(const SolveContext &context, const IterationRec
     std::snprintf(indefinite, sizeof indefinite, "%.0f%%", 100 * iteration.indefinite);
   }
   PetscCall(PetscPrintf(comm, "%4d %21.14e %10.3e %7.3f %10.3e %8s %6.3f %6d %6d %5s %8.2f\n",
-                        iteration.k, iteration.energy, iteration.gradient_norm, iteration.weight,
-                        iteration.decrement, rho, iteration.step, iteration.trials,
-                        1 + iteration.corrections, indefinite, iteration.seconds));
+                        iteration.k, iteration.energy + context.energy_offset,
+                        iteration.gradient_norm, iteration.weight, iteration.decrement, rho,
+                        iteration.step, iteration.trials, 1 + iteration.corrections, indefinite,
+                        iteration.seconds));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -19,9 +19,10 @@ Json number(double value) {
   return std::isfinite(value) ? Json(value) : Json(nullptr);
 }
 
-Json iteration_json(const IterationRecord &entry) {
+/// @param offset that the objective leaves out of energies
+Json iteration_json(const IterationRecord &entry, double offset) {
   return {{"k", entry.k},
-          {"energy", number(entry.energy)},
+          {"energy", number(entry.energy + offset)},
           {"weight", entry.weight},
           {"rho", number(entry.rho)},
           {"step", entry.step},
@@ -166,26 +167,27 @@ Json minimum_json(const SolveSummary &summary) {
 
 Json result_json(const SolveContext &context) {
   const auto &history = context.history;
+  const double offset = context.energy_offset;
   int trials = 0;
   for (const IterationRecord &entry : history) trials += entry.trials;
   const IterationRecord last = history.empty() ? IterationRecord{} : history.back();
-  return {
-      {"converged", context.summary.converged},
-      {"reason", context.summary.reason},
-      {"minimum", minimum_json(context.summary)},
-      {"error_estimate", number(context.summary.error_estimate)},
-      {"saddles_left", context.summary.saddles_left},
-      {"verification_solves", context.summary.verification_solves},
-      {"iterations", context.summary.iterations},
-      {"linear_solves", context.summary.linear_solves},
-      {"line_search_trials", trials},
-      {"energy_start", number(history.empty() ? IterationRecord::none : history.front().energy)},
-      {"energy", number(last.energy)},
-      {"energy_rest", nullptr},
-      {"energy_scale", number(context.summary.energy_scale)},
-      {"gradient_norm", number(last.gradient_norm)},
-      {"newton_decrement", number(last.decrement)},
-      {"inverted", nullptr}};
+  return {{"converged", context.summary.converged},
+          {"reason", context.summary.reason},
+          {"minimum", minimum_json(context.summary)},
+          {"error_estimate", number(context.summary.error_estimate)},
+          {"saddles_left", context.summary.saddles_left},
+          {"verification_solves", context.summary.verification_solves},
+          {"iterations", context.summary.iterations},
+          {"linear_solves", context.summary.linear_solves},
+          {"line_search_trials", trials},
+          {"energy_start",
+           number(history.empty() ? IterationRecord::none : history.front().energy + offset)},
+          {"energy", number(last.energy + offset)},
+          {"energy_rest", nullptr},
+          {"energy_scale", number(context.summary.energy_scale)},
+          {"gradient_norm", number(last.gradient_norm)},
+          {"newton_decrement", number(last.decrement)},
+          {"inverted", nullptr}};
 }
 
 /// After the last step, where PETSc's own tests ended the solve, the history still lacks the state
@@ -227,7 +229,9 @@ PetscErrorCode make_record(SolveContext &context, std::string *json) {
   PetscCall(time_json(context, comm, &time));
   PetscCall(memory_json(context, comm, &memory));
   Json history = Json::array();
-  for (const IterationRecord &entry : context.history) history.push_back(iteration_json(entry));
+  for (const IterationRecord &entry : context.history) {
+    history.push_back(iteration_json(entry, context.energy_offset));
+  }
   const Json record{{"schema", 1},
                     {"mesh",
                      {{"vertices", nullptr},  // what only the host knows is null

@@ -88,6 +88,7 @@ struct SolveContext {
 
   TrefoilEnergyScaleFunction energy_scale = nullptr;
   void *energy_scale_context = nullptr;
+  double energy_offset = 0;  ///< that monitor and record add to energies
   TrefoilEnergyChangesFunction energy_changes = nullptr;
   void *energy_changes_context = nullptr;
 

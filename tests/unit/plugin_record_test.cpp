@@ -46,6 +46,26 @@ TEST(RecordTest, HasEveryKeyOfTheContract) {
       EXPECT_TRUE(entry.contains(name)) << "history." << name;
 }
 
+// The record of an objective that leaves a constant out is that of the objective with it.
+TEST(RecordTest, AnEnergyOffsetIsAddedToEveryEnergyAndChangesNothingElse) {
+  constexpr double constant = 4096;
+  Host whole, relative("relative_");
+  whole.chain.constant = constant;
+  run(whole);
+  ASSERT_EQ(relative.set_up(), PETSC_SUCCESS);
+  ASSERT_EQ(TrefoilSNESSetEnergyOffset(relative.snes, constant * relative.chain.energy_unit), 0);
+  ASSERT_EQ(relative.solve(concave_start(relative.chain)), PETSC_SUCCESS);
+  for (const char *key : {"energy_start", "energy"})
+    EXPECT_NEAR(relative.record.at("result").at(key), whole.record.at("result").at(key), 1e-9);
+  ASSERT_EQ(relative.history().size(), whole.history().size());
+  for (std::size_t k = 0; k < whole.history().size(); ++k) {
+    EXPECT_NEAR(relative.history()[k].at("energy"), whole.history()[k].at("energy"), 1e-9);
+    EXPECT_EQ(relative.history()[k].at("weight"), whole.history()[k].at("weight"));
+  }
+  const QuietErrors quiet;
+  EXPECT_NE(TrefoilSNESSetEnergyOffset(relative.snes, std::nan("")), 0);
+}
+
 TEST(RecordTest, OptionsAreWhatTheUserGave) {
   const char *turned = "4, -z - y, y -z", *empty = "";
   PetscBool used = PETSC_TRUE;
