@@ -19,6 +19,7 @@
 #include "output/xdmf.hpp"
 #include "support/collective_error.hpp"
 #include "support/petsc_compatibility.hpp"
+#include "support/text_file.hpp"
 
 namespace trefoil {
 namespace {
@@ -30,23 +31,10 @@ static_assert(std::is_same_v<PetscScalar, double>,
 struct Files {
   std::filesystem::path xdmf, data, xdmf_part, data_part;
 
-  explicit Files(const std::string &path) : xdmf(path), data(path) {
-    data.replace_extension(".h5");
-    xdmf_part = xdmf.string() + ".part";
-    data_part = data.string() + ".part";
+  explicit Files(const std::string &path) : xdmf(follow_links(path)) {
+    data = follow_links(std::filesystem::path(xdmf).replace_extension(".h5").string());
   }
 };
-
-/// Creates `file`, and sets `bytes` of the disk aside for it.
-/// @return what went wrong, or nothing
-std::string reserve(const std::filesystem::path &file, PetscInt64 bytes) {
-  const int descriptor = open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-  if (descriptor < 0) return std::strerror(errno);
-  const int full = bytes > 0 ? posix_fallocate(descriptor, 0, static_cast<off_t>(bytes)) : 0;
-  close(descriptor);
-  // Other errors only mean that the file system cannot reserve.
-  return full == ENOSPC || full == EFBIG || full == EDQUOT ? std::strerror(full) : "";
-}
 
 void remove_parts(const Files &files) {
   std::error_code ignored;
@@ -56,6 +44,37 @@ void remove_parts(const Files &files) {
 
 std::string cannot_write(const std::filesystem::path &file, const std::string &why) {
   return "cannot write the output file '" + file.string() + "': " + why;
+}
+
+/// Sets `bytes` of the disk aside for a file that is there. @return one sentence, or nothing
+std::string reserve(const std::filesystem::path &file, PetscInt64 bytes) {
+  const int descriptor = open(file.c_str(), O_WRONLY | O_CLOEXEC);
+  if (descriptor < 0) return cannot_write(file, std::strerror(errno));
+  const int full = posix_fallocate(descriptor, 0, static_cast<off_t>(bytes));
+  close(descriptor);
+  // Other errors only mean that the file system cannot reserve.
+  const bool is_full = full == ENOSPC || full == EFBIG || full == EDQUOT;
+  return is_full ? cannot_write(file, std::strerror(full)) : "";
+}
+
+/// Creates both parts, under names that no other run has. @return one sentence, or nothing
+std::string make_parts(Files &files) {
+  std::string problem;
+  files.xdmf_part = make_part(files.xdmf.string(), &problem);
+  if (problem.empty()) files.data_part = make_part(files.data.string(), &problem);
+  return problem.empty() ? "" : cannot_write(files.xdmf, problem);
+}
+
+/// Tells all ranks the data's part, which they write together.
+PetscErrorCode share_data_part(MPI_Comm comm, Files *files) {
+  std::string name = files->data_part.string();
+  auto length = static_cast<PetscMPIInt>(name.size());
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Bcast(&length, 1, MPI_INT, 0, comm));
+  name.resize(static_cast<std::size_t>(length));
+  PetscCallMPI(MPI_Bcast(name.data(), length, MPI_CHAR, 0, comm));
+  files->data_part = name;
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /// One rank's look at the target. @return one sentence, or nothing where all is well
@@ -68,15 +87,17 @@ std::string find_obstacle(const Files &files) {
   for (const auto &target : {files.xdmf, files.data})
     if (std::filesystem::is_directory(target, ignored))
       return cannot_write(target, "a directory of this name is in the way");
+  for (const auto &target : {files.xdmf, files.data})
+    if (is_stream(target.string()))
+      return cannot_write(target, "it is a device or a pipe; name a file");
   const auto directory = files.xdmf.has_parent_path() ? files.xdmf.parent_path() : ".";
   if (!std::filesystem::is_directory(directory, ignored))
     return cannot_write(files.xdmf, "there is no directory '" + directory.string() + "'");
 
-  std::string obstacle;
-  for (const auto &part : {files.xdmf_part, files.data_part})
-    if (obstacle.empty()) obstacle = reserve(part, 0);
-  remove_parts(files);
-  return obstacle.empty() ? "" : cannot_write(files.xdmf, obstacle);
+  Files parts = files;
+  const std::string obstacle = make_parts(parts);
+  remove_parts(parts);
+  return obstacle;
 }
 
 /// @return whether the sizes of the snapshot's arrays fit together, and it can be said in XDMF
@@ -224,7 +245,7 @@ PetscErrorCode check_writable(MPI_Comm comm, const std::string &path) {
 }
 
 PetscErrorCode write_snapshot(MPI_Comm comm, const std::string &path, const Snapshot &snapshot) {
-  const Files files(path);
+  Files files(path);
   xdmf::Totals totals;
   int rank = 0;
 
@@ -237,13 +258,12 @@ PetscErrorCode write_snapshot(MPI_Comm comm, const std::string &path, const Snap
   // HDF5 (seen with 1.10.8 on a small disk): whether there is room is settled before.
   std::string problem;
   if (rank == 0) {
-    problem = reserve(files.data_part, size_in_bytes(snapshot, totals));
-    if (!problem.empty()) {
-      remove_parts(files);
-      problem = cannot_write(files.data, problem);
-    }
+    problem = make_parts(files);
+    if (problem.empty()) problem = reserve(files.data_part, size_in_bytes(snapshot, totals));
+    if (!problem.empty()) remove_parts(files);
   }
   PetscCall(agree_on_complaint(comm, problem, PETSC_ERR_FILE_OPEN));
+  PetscCall(share_data_part(comm, &files));
 
   int outcome = static_cast<int>(write_data(comm, files.data_part.string(), snapshot));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &outcome, 1, MPI_INT, MPI_MAX, comm));

@@ -8,6 +8,7 @@
 
 #include <array>
 #include <cerrno>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -198,6 +199,7 @@ void keep_errors() {
 
 void announce_signals() {
   static_cast<void>(PetscPushSignalHandler(announce, nullptr));
+  std::signal(SIGPIPE, SIG_DFL);  // who reads no further, `| head`, wants to hear no more
 }
 
 void keep_error(const std::string &sentence) {

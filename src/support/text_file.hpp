@@ -6,8 +6,21 @@
 
 namespace trefoil {
 
-/// Writes text beside `path` and renames: there is never half a file. On the first rank;
-/// collective, an error is one on all ranks.
+/// Where a file will really lie: symbolic links are followed, also one that leads to nothing yet.
+/// A rename then replaces the file and leaves the link.
+std::string follow_links(const std::string &path);
+
+/// Whether something is there that must be written to and never replaced: a device, a pipe, a
+/// socket, or what the program's own output goes to.
+bool is_stream(const std::string &path);
+
+/// Creates an empty file beside `path` under a name that no other run has: path.XXXXXX.part.
+/// @param problem what went wrong, empty where nothing did
+/// @return its name
+std::string make_part(const std::string &path, std::string *problem);
+
+/// Writes text beside `path` and renames: there is never half a file. Devices and pipes are written
+/// to, links followed. On the first rank; collective, an error is one on all ranks.
 PetscErrorCode write_text_file(MPI_Comm comm, const std::string &path, const std::string &text);
 /// Whether `path` can be written; leaves nothing behind. Collective.
 PetscErrorCode check_text_file(MPI_Comm comm, const std::string &path);
