@@ -1,6 +1,6 @@
 #!/bin/sh
 # The demo: installs what is missing, builds, stretches and turns a rubber trefoil knot on two
-# ranks, and leaves pictures of the body and of the convergence in out/.
+# ranks, and leaves a page to look at and pictures of the body and of the convergence in out/.
 set -eu
 cd "$(dirname "$0")/.."
 . cmake/environment.sh
@@ -11,4 +11,6 @@ mpirun -n 2 build/trefoil -options_file examples/knot.yaml \
   -output_file out/knot.xdmf -snes_trefoil_record out/knot.json
 /usr/bin/python3 examples/picture.py out/knot.xdmf -o out/knot.png
 /usr/bin/python3 examples/plot_convergence.py out/knot.json -o out/convergence.png
-echo "Look at out/knot.png and out/convergence.png; open out/knot.xdmf in ParaView."
+/usr/bin/python3 examples/report.py out/knot.json out/knot.xdmf -o out/knot.html --units "m, N"
+echo "Open out/knot.html in a browser: the body turns. Pictures: out/knot.png, out/convergence.png;"
+echo "for ParaView: out/knot.xdmf."

@@ -1,8 +1,8 @@
 #!/bin/sh
 # All tests: installs what is missing, builds, and runs them. Arguments go to ctest, for example
 #   sh tests/run.sh -R filter
-# Tests with FEniCSx and with PETSc's tutorials say `skipped` unless their packages are there;
-# TREFOIL_TEST_PACKAGES="python3-dolfinx libpetsc3.18-dev-examples" installs them first.
+# Tests with FEniCSx, with PETSc's tutorials and in a browser say `skipped` unless their packages are
+# there; TREFOIL_TEST_PACKAGES="python3-dolfinx libpetsc3.18-dev-examples chromium" installs them first.
 set -eu
 cd "$(dirname "$0")/.."
 . cmake/environment.sh
