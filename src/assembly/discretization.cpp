@@ -9,7 +9,7 @@ namespace trefoil {
 HeldDofs nothing_held(const Mesh &mesh) {
   HeldDofs held{std::vector<char>(mesh.coordinates.size(), 0),
                 std::vector<double>(mesh.coordinates.size(), 0)};
-  if (mesh.dimension == 2) {
+  if (mesh.dimension() == 2) {
     for (std::size_t k = 2; k < held.held.size(); k += 3) held.held[k] = 1;
   }
   return held;
@@ -49,10 +49,10 @@ PetscErrorCode Discretization::set_up(Mesh &mesh, const HeldDofs &held) {
     if (count) {
       PetscCall(PetscSectionSetConstraintIndices(section, mesh.first_vertex + v, component.data()));
     }
-    wholly = wholly && (count == 3 - mesh.dimension || count == 3);
+    wholly = wholly && (count == 3 - mesh.dimension() || count == 3);
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &wholly, 1, MPI_INT, MPI_MIN, comm));
-  block_size_ = wholly ? mesh.dimension : 1;
+  block_size_ = wholly ? mesh.dimension() : 1;
   PetscCall(DMSetLocalSection(mesh.dm, section));
   PetscCall(PetscSectionDestroy(&section));
   PetscCall(number_dofs(held));

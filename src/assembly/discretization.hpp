@@ -61,7 +61,7 @@ class Discretization {
   [[nodiscard]] PetscInt total_dofs() const { return total_; }
   [[nodiscard]] PetscInt block_size() const { return block_size_; }
   /// Whether every vertex is wholly free or wholly held.
-  [[nodiscard]] bool has_whole_blocks() const { return block_size_ == mesh_->dimension; }
+  [[nodiscard]] bool has_whole_blocks() const { return block_size_ == mesh_->dimension(); }
   [[nodiscard]] const Mesh &mesh() const { return *mesh_; }
   [[nodiscard]] double bytes() const;
 

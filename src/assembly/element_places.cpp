@@ -6,7 +6,7 @@ namespace trefoil {
 
 PetscErrorCode make_element_places(const Mesh &mesh, const MatrixBlocks &blocks,
                                    ElementPlaces *places) {
-  const auto width = static_cast<std::size_t>(mesh.nodes_per_cell);
+  const auto width = static_cast<std::size_t>(mesh.nodes_per_cell());
   PetscFunctionBeginUser;
   places->code.assign(width * mesh.cells.size(), ElementPlaces::nowhere);
   places->stride.assign(static_cast<std::size_t>(4 * mesh.local_vertices()), 0);

@@ -31,7 +31,7 @@ PetscErrorCode Discretization::create_vertex_graph(Mat *graph) const {
   const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(mesh.dm));
   PetscFunctionBeginUser;
   std::vector<PetscInt> row, column;
-  const auto width = static_cast<std::size_t>(mesh.nodes_per_cell);
+  const auto width = static_cast<std::size_t>(mesh.nodes_per_cell());
   row.reserve(width * mesh.cells.size());
   column.reserve(width * mesh.cells.size());
   for (std::size_t c = 0; c < mesh.cells.size(); c += width) {

@@ -169,7 +169,7 @@ PetscErrorCode MatrixBlocks::place(PetscInt row, PetscInt column,
 /// The blocks of this rank's cells whose rows others own, by owner.
 void MatrixBlocks::collect_outgoing() {
   const Mesh &mesh = discretization_->mesh();
-  const auto width = static_cast<std::size_t>(mesh.nodes_per_cell);
+  const auto width = static_cast<std::size_t>(mesh.nodes_per_cell());
   for (std::size_t c = 0; c < mesh.cells.size(); c += width) {
     for (std::size_t a = 0; a < width; ++a) {
       const Dofs rows = discretization_->dofs_of_vertex(mesh.cells[c + a]);
@@ -190,7 +190,7 @@ void MatrixBlocks::collect_outgoing() {
 PetscErrorCode MatrixBlocks::begin_placing(const Discretization &discretization, Mat matrix) {
   PetscFunctionBeginUser;
   discretization_ = &discretization;
-  dim_ = static_cast<std::size_t>(discretization.mesh().dimension);
+  dim_ = static_cast<std::size_t>(discretization.mesh().dimension());
   comm_ = PetscObjectComm(reinterpret_cast<PetscObject>(matrix));
   PetscCall(find_rows(matrix));
   collect_outgoing();

@@ -30,7 +30,7 @@ std::vector<double> reduced_gradients(const ReferenceElement &reference) {
 
 ElementPacks pack_elements(const Mesh &mesh) {
   ElementPacks packed;
-  packed.reference = &reference_element(mesh.dimension, mesh.nodes_per_cell);
+  packed.reference = &reference_element(mesh.dimension(), mesh.nodes_per_cell());
   const ReferenceElement &reference = *packed.reference;
   packed.elements = mesh.local_cells();
   packed.reduced = reduced_gradients(reference);

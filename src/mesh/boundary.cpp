@@ -10,66 +10,48 @@
 namespace trefoil {
 namespace {
 
-using Key = std::array<PetscInt, 3>;  ///< global numbers of the corners, ascending
+/// Global numbers of a facet's corners, ascending, and -1 before them where there are fewer.
+using Key = std::array<PetscInt, CellShape::most_facet_corners>;
 
 Key key_of(const Mesh &mesh, const Facet &facet) {
-  Key key{-1, -1, -1};
-  for (std::size_t i = 0; i < static_cast<std::size_t>(facet.corners); ++i) {
-    key[i] = mesh.global_vertex[static_cast<std::size_t>(facet.vertices[i])];
-  }
+  Key key;
+  key.fill(-1);
+  std::transform(facet.begin(), facet.begin() + facet.corners(), key.begin(),
+                 [&](PetscInt v) { return mesh.global_vertex[static_cast<std::size_t>(v)]; });
+  std::sort(key.begin(), key.end());
   return key;
 }
 
-/// Place of the midpoint between two corners in a quadratic cell.
-int midpoint_of(int dimension, int a, int b) {
-  constexpr int edges[6][2] = {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}};
-  int e = 0;
-  while (edges[e][0] != std::min(a, b) || edges[e][1] != std::max(a, b)) ++e;
-  return dimension + 1 + e;
-}
-
-/// The facet of a cell that is opposite to a corner.
-Facet facet_of(const Mesh &mesh, const PetscInt *cell, int opposite) {
-  std::vector<int> corner;
-  Facet facet;
-  facet.corners = mesh.dimension;
-  for (int i = 1; i <= facet.corners; ++i) corner.push_back((opposite + i) % (mesh.dimension + 1));
-  std::sort(corner.begin(), corner.end(), [&](int a, int b) {
-    return mesh.global_vertex[static_cast<std::size_t>(cell[a])] <
-           mesh.global_vertex[static_cast<std::size_t>(cell[b])];
-  });
-  facet.count = 0;
-  const auto add = [&](int node) {
-    facet.vertices[static_cast<std::size_t>(facet.count++)] = cell[node];
-  };
-  for (const int node : corner) add(node);
-  if (mesh.nodes_per_cell == mesh.dimension + 1) return facet;
-  add(midpoint_of(mesh.dimension, corner[0], corner[1]));
-  if (mesh.dimension == 3) {
-    add(midpoint_of(3, corner[1], corner[2]));
-    add(midpoint_of(3, corner[2], corner[0]));
+Facet facet_of(const Mesh &mesh, PetscInt cell, std::size_t which) {
+  Facet facet{mesh.shape->facet, {}, cell};
+  const PetscInt *node = &mesh.cells[static_cast<std::size_t>(cell * mesh.nodes_per_cell())];
+  for (std::size_t k = 0; k < static_cast<std::size_t>(facet.count()); ++k) {
+    facet.vertices[k] = node[mesh.shape->facets[which][k]];
   }
   return facet;
 }
 
 /// The facets that only one of this rank's cells has.
 std::vector<Facet> single_facets(const Mesh &mesh) {
-  std::vector<std::pair<Key, Facet>> all;
-  const auto width = static_cast<std::size_t>(mesh.nodes_per_cell);
-  all.reserve(mesh.cells.size() / width * static_cast<std::size_t>(mesh.dimension + 1));
-  for (std::size_t c = 0; c < mesh.cells.size(); c += width) {
-    for (int opposite = 0; opposite <= mesh.dimension; ++opposite) {
-      const Facet facet = facet_of(mesh, &mesh.cells[c], opposite);
-      all.emplace_back(key_of(mesh, facet), facet);
+  struct Entry {
+    Key key;
+    PetscInt cell;
+    std::size_t which;
+  };
+  std::vector<Entry> all;
+  all.reserve(static_cast<std::size_t>(mesh.local_cells()) * mesh.shape->facets.size());
+  for (PetscInt cell = 0; cell < mesh.local_cells(); ++cell) {
+    for (std::size_t which = 0; which < mesh.shape->facets.size(); ++which) {
+      all.push_back({key_of(mesh, facet_of(mesh, cell, which)), cell, which});
     }
   }
   std::stable_sort(all.begin(), all.end(),
-                   [](const auto &a, const auto &b) { return a.first < b.first; });
+                   [](const Entry &a, const Entry &b) { return a.key < b.key; });
   std::vector<Facet> single;
   for (std::size_t k = 0; k < all.size(); ++k) {
-    const bool like_last = k > 0 && all[k - 1].first == all[k].first;
-    const bool like_next = k + 1 < all.size() && all[k + 1].first == all[k].first;
-    if (!like_last && !like_next) single.push_back(all[k].second);
+    const bool like_last = k > 0 && all[k - 1].key == all[k].key;
+    const bool like_next = k + 1 < all.size() && all[k + 1].key == all[k].key;
+    if (!like_last && !like_next) single.push_back(facet_of(mesh, all[k].cell, all[k].which));
   }
   return single;
 }
@@ -78,12 +60,13 @@ std::vector<Facet> single_facets(const Mesh &mesh) {
 /// answers how many there are.
 PetscErrorCode drop_shared(const Mesh &mesh, std::vector<Facet> *facets) {
   const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(mesh.dm));
+  constexpr int width = CellShape::most_facet_corners;
   PetscMPIInt ranks = 0;
   PetscFunctionBeginUser;
   PetscCallMPI(MPI_Comm_size(comm, &ranks));
   if (ranks == 1) PetscFunctionReturn(PETSC_SUCCESS);
   const auto judge = [&](const Facet &facet) {
-    return static_cast<std::size_t>(key_of(mesh, facet)[0] % ranks);
+    return static_cast<std::size_t>(key_of(mesh, facet).back() % ranks);
   };
   std::stable_sort(facets->begin(), facets->end(),
                    [&](const Facet &a, const Facet &b) { return judge(a) < judge(b); });
@@ -94,7 +77,7 @@ PetscErrorCode drop_shared(const Mesh &mesh, std::vector<Facet> *facets) {
   for (const Facet &facet : *facets) {
     const Key key = key_of(mesh, facet);
     mine.insert(mine.end(), key.begin(), key.end());
-    send[judge(facet)] += 3;
+    send[judge(facet)] += width;
   }
   PetscCallMPI(MPI_Alltoall(send.data(), 1, MPI_INT, receive.data(), 1, MPI_INT, comm));
   std::exclusive_scan(send.begin(), send.end(), send_at.begin(), 0);
@@ -102,21 +85,23 @@ PetscErrorCode drop_shared(const Mesh &mesh, std::vector<Facet> *facets) {
   std::vector<PetscInt> judged(static_cast<std::size_t>(receive_at.back() + receive.back()));
   PetscCallMPI(MPI_Alltoallv(mine.data(), send.data(), send_at.data(), MPIU_INT, judged.data(),
                              receive.data(), receive_at.data(), MPIU_INT, comm));
+  const auto key_at = [&](std::size_t k) {
+    Key key;
+    std::copy_n(judged.begin() + static_cast<std::ptrdiff_t>(k), width, key.begin());
+    return key;
+  };
   std::vector<Key> sorted;
-  for (std::size_t k = 0; k < judged.size(); k += 3) {
-    sorted.push_back({judged[k], judged[k + 1], judged[k + 2]});
-  }
+  for (std::size_t k = 0; k < judged.size(); k += width) sorted.push_back(key_at(k));
   std::sort(sorted.begin(), sorted.end());
-  for (std::size_t k = 0; k < judged.size(); k += 3) {  // the answer takes the first number's place
-    const Key key{judged[k], judged[k + 1], judged[k + 2]};
-    const auto [first, last] = std::equal_range(sorted.begin(), sorted.end(), key);
+  for (std::size_t k = 0; k < judged.size(); k += width) {  // the answer takes a key's first place
+    const auto [first, last] = std::equal_range(sorted.begin(), sorted.end(), key_at(k));
     judged[k] = static_cast<PetscInt>(last - first);
   }
   PetscCallMPI(MPI_Alltoallv(judged.data(), receive.data(), receive_at.data(), MPIU_INT,
                              mine.data(), send.data(), send_at.data(), MPIU_INT, comm));
   std::vector<Facet> kept;
   for (std::size_t k = 0; k < facets->size(); ++k) {
-    if (mine[3 * k] == 1) kept.push_back((*facets)[k]);
+    if (mine[width * k] == 1) kept.push_back((*facets)[k]);
   }
   facets->swap(kept);
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -8,15 +8,18 @@
 
 namespace trefoil {
 
-/// A triangle of the body's surface, of a plane body an edge: its local vertices, corners in the
-/// order of their global numbers, then, of quadratic cells, the midpoints of the edges between
-/// corners 0 and 1, 1 and 2, 2 and 0.
+/// A triangle of the body's surface, of a plane body an edge: its local vertices, in the order of
+/// its shape. Seen from outside of the body a triangle's corners run anticlockwise, and the body is
+/// to the left of an edge.
 struct Facet {
-  std::array<PetscInt, 6> vertices{};
-  int corners = 3, count = 3;
+  const CellShape *shape = &shapes::tri3;
+  std::array<PetscInt, CellShape::most_facet_nodes> vertices{};
+  PetscInt cell = 0;  ///< the local cell that has it
 
+  [[nodiscard]] int corners() const { return shape->corners; }
+  [[nodiscard]] int count() const { return shape->nodes; }
   [[nodiscard]] const PetscInt *begin() const { return vertices.data(); }
-  [[nodiscard]] const PetscInt *end() const { return vertices.data() + count; }
+  [[nodiscard]] const PetscInt *end() const { return vertices.data() + shape->nodes; }
 };
 
 /// The facets of this rank's cells that belong to no other cell, of this rank or another, and that

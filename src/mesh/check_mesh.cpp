@@ -35,14 +35,14 @@ std::size_t first_node(const CellList &mesh, std::size_t cell) {
   return cell * static_cast<std::size_t>(mesh.nodes_per_cell());
 }
 
-// The corners of a cell in units in which neither its volume nor its edges can over- or underflow.
-// A triangle's fourth corner is its first.
-std::array<Point, 4> scaled_corners(const CellList &mesh, std::size_t cell) {
+// The corners of one of a cell's frames, in units in which neither volumes nor edges can over- or
+// underflow. Where the plane has no fourth corner the first stands for it.
+std::array<Point, 4> scaled_corners(const CellList &mesh, std::size_t cell,
+                                    const std::array<int, 4> &frame) {
   std::array<double, 12> entries;
-  const auto corners_of_cell = static_cast<std::size_t>(mesh.corners());
   for (std::size_t corner = 0; corner < 4; ++corner) {
-    const auto vertex =
-        static_cast<std::size_t>(mesh.cells[first_node(mesh, cell) + corner % corners_of_cell]);
+    const auto node = static_cast<std::size_t>(std::max(frame[corner], 0));
+    const auto vertex = static_cast<std::size_t>(mesh.cells[first_node(mesh, cell) + node]);
     for (std::size_t component = 0; component < 3; ++component)
       entries[3 * corner + component] = mesh.coordinates[3 * vertex + component];
   }
@@ -63,12 +63,11 @@ double longest_edge(const std::array<Point, 4> &corners) {
   return longest;
 }
 
-RestShape rest_shape(const CellList &mesh, std::size_t cell) {
+RestShape shape_of_frame(const std::array<Point, 4> &x, bool is_plane) {
   constexpr double flatness = 1e-14;  // some fifty roundings of the determinant
-  const std::array<Point, 4> x = scaled_corners(mesh, cell);
   const double longest = longest_edge(x);
   // A triangle as the base of a tetrahedron whose fourth corner is as far above it as it is wide.
-  const Point up = mesh.dim == 2 ? Point{0, 0, longest} : minus(x[3], x[0]);
+  const Point up = is_plane ? Point{0, 0, longest} : minus(x[3], x[0]);
   const double six_volumes = determinant(minus(x[1], x[0]), minus(x[2], x[0]), up);
   // Written so that a NaN counts as degenerate.
   if (!(std::abs(six_volumes) > flatness * longest * longest * longest))
@@ -76,22 +75,42 @@ RestShape rest_shape(const CellList &mesh, std::size_t cell) {
   return six_volumes < 0 ? RestShape::negative : RestShape::good;
 }
 
+// The worst of the cell's frames.
+RestShape rest_shape(const CellList &mesh, std::size_t cell) {
+  RestShape worst = RestShape::good;
+  for (const auto &frame : mesh.shape->frames) {
+    const RestShape shape =
+        shape_of_frame(scaled_corners(mesh, cell, frame), mesh.dimension() == 2);
+    if (shape == RestShape::degenerate) return shape;
+    if (shape == RestShape::negative) worst = shape;
+  }
+  return worst;
+}
+
+void turn_round(CellList &mesh, std::size_t cell) {
+  std::array<PetscInt, CellShape::most_nodes> node;
+  const auto begin = mesh.cells.begin() + static_cast<std::ptrdiff_t>(first_node(mesh, cell));
+  std::copy_n(begin, mesh.nodes_per_cell(), node.begin());
+  std::transform(mesh.shape->mirrored.begin(), mesh.shape->mirrored.end(), begin,
+                 [&](int place) { return node[static_cast<std::size_t>(place)]; });
+}
+
 // "2 tetrahedra are degenerate", "1 tetrahedron is of negative volume"
-std::string counted(PetscInt count, int dim, const std::string &property) {
-  return counted_cells(count, dim) + (count == 1 ? " is " : " are ") + property;
+std::string counted(PetscInt count, const CellShape &shape, const std::string &property) {
+  return counted(count, shape) + (count == 1 ? " is " : " are ") + property;
 }
 
 std::string counts_of_bad(const CellList &mesh, const RestCheck &check) {
-  const std::string degenerate = counted(check.degenerate, mesh.dim, "degenerate");
-  if (mesh.dim == 2) return degenerate;
-  return degenerate + " and " + counted(check.negative, mesh.dim, "of negative volume");
+  const std::string degenerate = counted(check.degenerate, *mesh.shape, "degenerate");
+  if (mesh.dimension() == 2) return degenerate;
+  return degenerate + " and " + counted(check.negative, *mesh.shape, "of negative volume");
 }
 
 [[noreturn]] void fail_for_rest_shape(const CellList &mesh, const RestCheck &check,
                                       const std::string &name) {
   const bool is_turned_round = check.negative == mesh.size();
   throw InputError(name + ": " + counts_of_bad(mesh, check) + ", the first is " +
-                   (mesh.dim == 2 ? "triangle " : "tetrahedron ") + std::to_string(check.first) +
+                   mesh.shape->singular + " " + std::to_string(check.first) +
                    (is_turned_round
                         ? "; the whole mesh is oriented the other way round, so swap two vertices "
                           "of every tetrahedron"
@@ -126,10 +145,7 @@ void lay_flat(CellList &mesh, const std::string &name) {
   for (std::size_t entry = 2; entry < mesh.coordinates.size(); entry += 3)
     mesh.coordinates[entry] = 0;
   for (std::size_t cell = 0; cell < static_cast<std::size_t>(mesh.size()); ++cell) {
-    if (rest_shape(mesh, cell) != RestShape::negative) continue;
-    PetscInt *node = &mesh.cells[first_node(mesh, cell)];
-    std::swap(node[1], node[2]);
-    if (mesh.order == 2) std::swap(node[3], node[5]);
+    if (rest_shape(mesh, cell) == RestShape::negative) turn_round(mesh, cell);
   }
 }
 
@@ -176,7 +192,7 @@ RestCheck check_rest_shape(const CellList &mesh) {
 
 PetscInt repair_rest_shape(CellList &mesh, Repair repair, const std::string &name) {
   if (mesh.size() == 0) throw InputError(name + ": has no tetrahedra; give a volume mesh");
-  if (mesh.dim == 2) lay_flat(mesh, name);
+  if (mesh.dimension() == 2) lay_flat(mesh, name);
   const RestCheck check = check_rest_shape(mesh);
   if (check.bad() == 0) return 0;
   if (repair == Repair::none) fail_for_rest_shape(mesh, check, name);

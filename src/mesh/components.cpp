@@ -21,7 +21,7 @@ std::vector<PetscInt> local_components(const Mesh &mesh) {
     }
     return v;
   };
-  const auto width = static_cast<std::size_t>(mesh.nodes_per_cell);
+  const auto width = static_cast<std::size_t>(mesh.nodes_per_cell());
   for (std::size_t c = 0; c < mesh.cells.size(); c += width) {
     const PetscInt root = representative(mesh.cells[c]);
     for (std::size_t a = 1; a < width; ++a) {

@@ -11,6 +11,16 @@
 namespace trefoil {
 namespace {
 
+/// Tells all ranks the shape of the cells, which the first one knows.
+PetscErrorCode tell_shape(MPI_Comm comm, const CellShape &shape, Mesh *mesh) {
+  const auto shapes = mesh_shapes();
+  auto row = static_cast<int>(std::find(shapes.begin(), shapes.end(), &shape) - shapes.begin());
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Bcast(&row, 1, MPI_INT, 0, comm));
+  mesh->shape = shapes[static_cast<std::size_t>(row)];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /// This rank's cells (global vertex numbers) and its even share of the vertices.
 struct Share {
   std::vector<PetscInt> cells, groups;
@@ -140,11 +150,11 @@ PetscErrorCode take_cells(Mesh *mesh) {
   PetscInt begin = 0, end = 0;
   PetscFunctionBeginUser;
   PetscCall(DMPlexGetHeightStratum(mesh->dm, 0, &begin, &end));
-  mesh->cells.reserve(static_cast<std::size_t>(mesh->nodes_per_cell * (end - begin)));
+  mesh->cells.reserve(static_cast<std::size_t>(mesh->nodes_per_cell() * (end - begin)));
   for (PetscInt c = begin; c < end; ++c) {
     const PetscInt *corner = nullptr;
     PetscCall(DMPlexGetCone(mesh->dm, c, &corner));
-    for (int a = 0; a < mesh->nodes_per_cell; ++a)
+    for (int a = 0; a < mesh->nodes_per_cell(); ++a)
       mesh->cells.push_back(corner[a] - mesh->first_vertex);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -185,9 +195,9 @@ PetscErrorCode count_corners(MPI_Comm comm, Mesh *mesh) {
   PetscCall(DMGetPointSF(mesh->dm, &points));
   PetscCall(DMPlexGetChart(mesh->dm, &begin, &end));
   std::vector<PetscInt> seen(static_cast<std::size_t>(end - begin), 0);
-  const auto width = static_cast<std::size_t>(mesh->nodes_per_cell);
+  const auto width = static_cast<std::size_t>(mesh->nodes_per_cell());
   for (std::size_t k = 0; k < mesh->cells.size(); ++k) {
-    if (static_cast<int>(k % width) > mesh->dimension) continue;
+    if (static_cast<int>(k % width) >= mesh->shape->corners) continue;
     seen[static_cast<std::size_t>(mesh->first_vertex + mesh->cells[k])] = 1;
   }
   std::vector<PetscInt> at_owner(seen);
@@ -222,24 +232,21 @@ PetscErrorCode distribute_mesh(MPI_Comm comm, const CellList &whole, const std::
                                PetscInt refine, Mesh *mesh) {
   Partition partition;
   Share share;
-  int shape[2] = {whole.dim, whole.order};
   PetscFunctionBeginUser;
-  PetscCallMPI(MPI_Bcast(shape, 2, MPI_INT, 0, comm));
-  PetscCheck(shape[1] == 1 || refine == 0, comm, PETSC_ERR_ARG_WRONG,
+  PetscCall(tell_shape(comm, *whole.shape, mesh));
+  PetscCheck(!is_quadratic(*mesh->shape) || refine == 0, comm, PETSC_ERR_ARG_WRONG,
              "quadratic cells are refined before they are distributed");
-  mesh->dimension = shape[0];
-  mesh->nodes_per_cell = shape[1] == 1 ? shape[0] + 1 : (shape[0] + 1) * (shape[0] + 2) / 2;
-  PetscCall(partition_cells(comm, whole, partitioner, &partition));
+  PetscCall(partition_cells(comm, whole, *mesh->shape, partitioner, &partition));
   PetscCallMPI(MPI_Bcast(&partition.edge_cut, 1, MPIU_INT, 0, comm));
   mesh->edge_cut = partition.edge_cut;
   PetscCall(send_shares(comm, whole, partition, &share));
   PetscCall(DMPlexCreateFromCellListParallelPetsc(
-      comm, mesh->dimension, static_cast<PetscInt>(share.cells.size()) / mesh->nodes_per_cell,
-      static_cast<PetscInt>(share.coordinates.size()) / 3, PETSC_DECIDE, mesh->nodes_per_cell,
+      comm, mesh->dimension(), static_cast<PetscInt>(share.cells.size()) / mesh->nodes_per_cell(),
+      static_cast<PetscInt>(share.coordinates.size()) / 3, PETSC_DECIDE, mesh->nodes_per_cell(),
       PETSC_FALSE, share.cells.data(), 3, share.coordinates.data(), nullptr, nullptr, &mesh->dm));
   for (PetscInt level = 0; level < refine; ++level) {
     PetscCall(refine_uniformly(&mesh->dm));
-    mesh->edge_cut *= mesh->dimension == 3 ? 4 : 2;
+    mesh->edge_cut *= mesh->shape->facet->children;
   }
   PetscCall(take_vertex_numbers(mesh));
   PetscCall(take_coordinates(mesh));

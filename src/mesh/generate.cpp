@@ -62,7 +62,7 @@ CellList box(PetscInt cells) {
 // Every other diagonal of a square the other way, so that none of the two is preferred.
 CellList square(PetscInt cells) {
   CellList mesh;
-  mesh.dim = 2;
+  mesh.shape = &shapes::tri3;
   const PetscInt points = cells + 1;
   for (PetscInt j = 0; j <= cells; ++j)
     for (PetscInt i = 0; i <= cells; ++i)

@@ -60,12 +60,12 @@ void order_along_curve(CellList &mesh) {
 
   const auto width = static_cast<std::size_t>(mesh.nodes_per_cell());
   const auto corners = static_cast<std::size_t>(mesh.corners());
-  std::vector<std::pair<PetscInt, std::size_t>> cells;  // by the sum of their corners' numbers
+  std::vector<std::pair<std::int64_t, std::size_t>> cells;  // by the sum of their corners' numbers
   cells.reserve(mesh.cells.size() / width);
   for (PetscInt &vertex : mesh.cells) vertex = number[static_cast<std::size_t>(vertex)];
   for (std::size_t c = 0; c < mesh.cells.size(); c += width) {
-    PetscInt sum = 0;
-    for (std::size_t a = 0; a < corners; ++a) sum += mesh.cells[c + a] / 4;
+    std::int64_t sum = 0;
+    for (std::size_t a = 0; a < corners; ++a) sum += mesh.cells[c + a];
     cells.emplace_back(sum, c);
   }
   std::stable_sort(cells.begin(), cells.end(),

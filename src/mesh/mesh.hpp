@@ -25,13 +25,12 @@ struct Mesh {
   ~Mesh();
 
   DM dm = nullptr;
-  PetscInt first_vertex = 0;            ///< DMPlex point of local vertex 0
-  int dimension = 3;                    ///< of the cells: 3 tetrahedra, 2 triangles
-  int nodes_per_cell = 4;               ///< 4 or 10, in the plane 3 or 6
-  std::vector<PetscInt> cells;          ///< local cells x nodes_per_cell, local vertex numbers
-  std::vector<double> coordinates;      ///< local vertices (ghosts included) x 3, rest positions
-  std::vector<PetscInt> global_vertex;  ///< of each local vertex; ranks own consecutive ranges
-  std::vector<char> owned;              ///< of each local vertex: this rank owns it
+  PetscInt first_vertex = 0;               ///< DMPlex point of local vertex 0
+  const CellShape *shape = &shapes::tet4;  ///< of all cells
+  std::vector<PetscInt> cells;             ///< local cells x nodes_per_cell(), local vertex numbers
+  std::vector<double> coordinates;         ///< local vertices (ghosts included) x 3, rest positions
+  std::vector<PetscInt> global_vertex;     ///< of each local vertex; ranks own consecutive ranges
+  std::vector<char> owned;                 ///< of each local vertex: this rank owns it
   std::vector<PetscInt> groups;  ///< of each local cell, see CellList; empty: the mesh has none
   std::map<std::string, PetscInt> group_names;
   std::array<double, 3> box_min{}, box_max{};  ///< of the whole mesh
@@ -41,13 +40,13 @@ struct Mesh {
   PetscInt edge_cut = 0;       ///< faces between cells of different ranks
   double imbalance = 1;        ///< largest part over the mean part, in cells
 
+  [[nodiscard]] int dimension() const { return shape->dimension; }
+  [[nodiscard]] int nodes_per_cell() const { return shape->nodes; }
   [[nodiscard]] PetscInt local_cells() const {
-    return static_cast<PetscInt>(cells.size()) / nodes_per_cell;
+    return static_cast<PetscInt>(cells.size()) / nodes_per_cell();
   }
   /// "tri3", "tri6", "tet4" or "tet10".
-  [[nodiscard]] std::string element_name() const {
-    return (dimension == 2 ? "tri" : "tet") + std::to_string(nodes_per_cell);
-  }
+  [[nodiscard]] std::string element_name() const { return shape->name; }
   [[nodiscard]] PetscInt local_vertices() const {
     return static_cast<PetscInt>(coordinates.size()) / 3;
   }
@@ -67,9 +66,10 @@ struct Partition {
 /// Divides the cells' dual graph (cells that share a face) into `parts`; no part is empty.
 /// @param partitioner "metis", or the name of one of PETSc's partitioners, for example "ptscotch"
 /// @param whole the mesh, on the first rank; ignored on the others
+/// @param shape of its cells, known on all ranks
 /// Collective. An unknown partitioner or more parts than cells is an error on all ranks.
-PetscErrorCode partition_cells(MPI_Comm comm, const CellList &whole, const std::string &partitioner,
-                               Partition *partition);
+PetscErrorCode partition_cells(MPI_Comm comm, const CellList &whole, const CellShape &shape,
+                               const std::string &partitioner, Partition *partition);
 
 /// Sends each rank its cells and builds the distributed DMPlex from them: partitioned before it is
 /// made, and never interpolated, which is 10 to 40 times cheaper than the other way round.

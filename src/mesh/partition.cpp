@@ -16,7 +16,8 @@ struct DualGraph {
 };
 
 DualGraph dual_graph(const CellList &mesh) {
-  idx_t cells = mesh.size(), vertices = mesh.vertices(), common = mesh.dim, base = 0;
+  idx_t cells = mesh.size(), vertices = mesh.vertices(), common = mesh.shape->facet->corners,
+        base = 0;
   std::vector<idx_t> begin(static_cast<std::size_t>(cells) + 1);
   std::vector<idx_t> corner;
   corner.reserve(static_cast<std::size_t>(cells) * static_cast<std::size_t>(mesh.corners()));
@@ -117,19 +118,18 @@ PetscErrorCode petsc_parts(MPI_Comm comm, const std::string &name, const DualGra
 
 }  // namespace
 
-PetscErrorCode partition_cells(MPI_Comm comm, const CellList &whole, const std::string &partitioner,
-                               Partition *partition) {
+PetscErrorCode partition_cells(MPI_Comm comm, const CellList &whole, const CellShape &shape,
+                               const std::string &partitioner, Partition *partition) {
   PetscMPIInt rank = 0, ranks = 0;
   PetscFunctionBeginUser;
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
   PetscCallMPI(MPI_Comm_size(comm, &ranks));
-  PetscInt shape[2] = {whole.dim, rank == 0 ? whole.size() : 0};
-  PetscCallMPI(MPI_Bcast(shape, 2, MPIU_INT, 0, comm));
-  const PetscInt cells = shape[1];
+  PetscInt cells = rank == 0 ? whole.size() : 0;
+  PetscCallMPI(MPI_Bcast(&cells, 1, MPIU_INT, 0, comm));
   PetscCheck(ranks <= cells, comm, PETSC_ERR_USER_INPUT,
              "there are more ranks (%d) than %s (%" PetscInt_FMT
              "); start fewer ranks or refine the mesh",
-             ranks, shape[0] == 2 ? "triangles" : "tetrahedra", cells);
+             ranks, shape.plural, cells);
   if (ranks == 1) {
     partition->rank_of_cell.assign(static_cast<std::size_t>(cells), 0);
     PetscFunctionReturn(PETSC_SUCCESS);

@@ -8,9 +8,6 @@
 namespace trefoil {
 namespace {
 
-/// Corners of the edges, in the order of the midpoints in a cell; a triangle has the first three.
-constexpr std::size_t edges[6][2] = {{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 3}, {2, 3}};
-
 /// An edge by its vertices, the smaller first, and where its midpoint stands in the new cells.
 struct Edge {
   PetscInt from, to;
@@ -63,17 +60,18 @@ void append_octahedron(const CellList &mesh, const PetscInt *node, std::vector<P
 }  // namespace
 
 void promote_to_quadratic(CellList &mesh) {
-  if (mesh.order == 2) return;
+  if (is_quadratic(*mesh.shape)) return;
   const auto corners = static_cast<std::size_t>(mesh.corners());
-  const std::size_t edges_per_cell = mesh.dim == 2 ? 3 : 6, width = corners + edges_per_cell;
+  const auto &edges = mesh.shape->edges;
+  const auto width = static_cast<std::size_t>(mesh.shape->quadratic->nodes);
   const std::size_t cells = mesh.cells.size() / corners;
   std::vector<PetscInt> quadratic(cells * width);
   std::vector<Edge> all;
-  all.reserve(cells * edges_per_cell);
+  all.reserve(cells * edges.size());
   for (std::size_t c = 0; c < cells; ++c) {
     const PetscInt *corner = &mesh.cells[corners * c];
     std::copy_n(corner, corners, &quadratic[width * c]);
-    for (std::size_t e = 0; e < edges_per_cell; ++e) {
+    for (std::size_t e = 0; e < edges.size(); ++e) {
       const auto [from, to] = std::minmax(corner[edges[e][0]], corner[edges[e][1]]);
       all.push_back({from, to, width * c + corners + e});
     }
@@ -91,11 +89,11 @@ void promote_to_quadratic(CellList &mesh) {
     quadratic[all[e].place] = vertex;
   }
   mesh.cells.swap(quadratic);
-  mesh.order = 2;
+  mesh.shape = mesh.shape->quadratic;
 }
 
 void drop_midpoints(CellList &mesh) {
-  if (mesh.order == 1) return;
+  if (!is_quadratic(*mesh.shape)) return;
   const auto width = static_cast<std::size_t>(mesh.nodes_per_cell());
   std::vector<PetscInt> linear;
   for (std::size_t c = 0; c < mesh.cells.size(); c += width) {
@@ -103,17 +101,18 @@ void drop_midpoints(CellList &mesh) {
     linear.insert(linear.end(), cell, cell + mesh.corners());
   }
   mesh.cells.swap(linear);
-  mesh.order = 1;
+  mesh.shape = mesh.shape->linear;
 }
 
 void refine_uniformly(CellList &mesh) {
   promote_to_quadratic(mesh);
   std::vector<PetscInt> cells;
   const auto width = static_cast<std::size_t>(mesh.nodes_per_cell());
-  cells.reserve(mesh.cells.size() / width * (mesh.dim == 2 ? 12 : 32));
+  cells.reserve(mesh.cells.size() / width *
+                static_cast<std::size_t>(mesh.shape->children * mesh.corners()));
   for (std::size_t c = 0; c < mesh.cells.size(); c += width) {
     const PetscInt *v = &mesh.cells[c];
-    if (mesh.dim == 2) {
+    if (mesh.dimension() == 2) {
       cells.insert(cells.end(),
                    {v[0], v[3], v[5], v[3], v[1], v[4], v[5], v[4], v[2], v[3], v[4], v[5]});
     } else {
@@ -123,16 +122,16 @@ void refine_uniformly(CellList &mesh) {
     }
   }
   mesh.cells.swap(cells);
-  mesh.order = 1;
+  mesh.shape = mesh.shape->linear;
   std::vector<PetscInt> groups;  // a cell's children follow each other
   for (const PetscInt group : mesh.groups)
-    groups.insert(groups.end(), mesh.dim == 2 ? 4 : 8, group);
+    groups.insert(groups.end(), static_cast<std::size_t>(mesh.shape->children), group);
   mesh.groups.swap(groups);
 }
 
 void check_curved_cells(const CellList &mesh, const std::string &name) {
-  if (mesh.order == 1) return;
-  const ReferenceElement &reference = reference_element(mesh.dim, mesh.nodes_per_cell());
+  if (!is_quadratic(*mesh.shape)) return;
+  const ReferenceElement &reference = reference_element(mesh.dimension(), mesh.nodes_per_cell());
   const auto width = static_cast<std::size_t>(mesh.nodes_per_cell());
   std::vector<double> positions(3 * width);
   for (std::size_t c = 0; c < mesh.cells.size(); c += width) {
@@ -142,8 +141,7 @@ void check_curved_cells(const CellList &mesh, const std::string &name) {
     }
     const IsoparametricElement element(reference, positions.data());
     if (element.least_jacobian() > 0) continue;
-    throw InputError(name + (mesh.dim == 2 ? ": triangle " : ": tetrahedron ") +
-                     std::to_string(c / width + 1) +
+    throw InputError(name + ": " + mesh.shape->singular + " " + std::to_string(c / width + 1) +
                      " is bent so far that its Jacobian determinant is not positive at a "
                      "quadrature point; mend the mesh, or use its corners only with -order 1");
   }

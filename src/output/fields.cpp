@@ -15,7 +15,7 @@ void take_geometry(const Mesh &mesh, Snapshot *snapshot) {
     const auto position = mesh.coordinates.begin() + static_cast<std::ptrdiff_t>(3 * v);
     snapshot->points.insert(snapshot->points.end(), position, position + 3);
   }
-  snapshot->corners = mesh.nodes_per_cell;
+  snapshot->corners = mesh.nodes_per_cell();
   for (PetscInt node : mesh.cells) {
     snapshot->cells.push_back(mesh.global_vertex[static_cast<std::size_t>(node)]);
   }

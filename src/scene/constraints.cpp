@@ -39,7 +39,7 @@ PetscInt hold(const Mesh &mesh, const std::vector<ConstraintOptions> &constraint
   const ConstraintOptions &constraint = constraints[static_cast<std::size_t>(which)];
   const std::string option = "-constraint_" + constraint.name;
   const Expression where(constraint.where, option + "_where", mesh.box_min, mesh.box_max);
-  const std::string zero = mesh.dimension == 2 ? "0, 0" : "0, 0, 0";
+  const std::string zero = mesh.dimension() == 2 ? "0, 0" : "0, 0, 0";
   const Expression move(constraint.move.empty() ? zero : constraint.move, option + "_move",
                         mesh.box_min, mesh.box_max);
   const double tolerance = 1e-12 * box_diagonal(mesh);
@@ -54,8 +54,8 @@ PetscInt hold(const Mesh &mesh, const std::vector<ConstraintOptions> &constraint
     if (chosen == 0) continue;
     taken += mesh.owned[static_cast<std::size_t>(v)];
     const std::vector<double> target =
-        move.evaluate(position, time, static_cast<std::size_t>(mesh.dimension));
-    for (int i = 0; i < mesh.dimension; ++i) {
+        move.evaluate(position, time, static_cast<std::size_t>(mesh.dimension()));
+    for (int i = 0; i < mesh.dimension(); ++i) {
       const auto dof = static_cast<std::size_t>(3 * v + i);
       const double value = target[static_cast<std::size_t>(i)];
       if (Expression::is_free(value)) continue;

@@ -16,13 +16,13 @@ std::vector<double> evaluate(const std::string &text, const Mesh &mesh) {
   displacement.reserve(mesh.coordinates.size());
   for (PetscInt v = 0; v < mesh.local_vertices(); ++v) {
     for (double value : expression.evaluate(&mesh.coordinates[static_cast<std::size_t>(3 * v)], 0,
-                                            static_cast<std::size_t>(mesh.dimension))) {
+                                            static_cast<std::size_t>(mesh.dimension()))) {
       if (Expression::is_free(value)) {
         throw InputError(option + ": 'free' is for constraints; a start is a displacement");
       }
       displacement.push_back(value);
     }
-    if (mesh.dimension == 2) displacement.push_back(0);
+    if (mesh.dimension() == 2) displacement.push_back(0);
   }
   return displacement;
 }

@@ -31,19 +31,19 @@ struct LoadPoint {
 /// Those of an edge of a plane cell: the middle, or two points for a quadratic one [Gauss].
 std::vector<LoadPoint> points_of_edge(const Mesh &mesh, const Facet &edge) {
   std::vector<LoadPoint> points;
-  const double offset = edge.count == 2 ? 0 : std::sqrt(1. / 12);
-  for (const double s : edge.count == 2 ? std::vector<double>{0.5}
-                                        : std::vector<double>{0.5 - offset, 0.5 + offset}) {
+  const double offset = edge.count() == 2 ? 0 : std::sqrt(1. / 12);
+  for (const double s : edge.count() == 2 ? std::vector<double>{0.5}
+                                          : std::vector<double>{0.5 - offset, 0.5 + offset}) {
     const std::array<double, 3> values =
-        edge.count == 2
+        edge.count() == 2
             ? std::array<double, 3>{1 - s, s, 0}
             : std::array<double, 3>{(1 - s) * (1 - 2 * s), s * (2 * s - 1), 4 * s * (1 - s)};
     const std::array<double, 3> slopes =
-        edge.count == 2 ? std::array<double, 3>{-1, 1, 0}
-                        : std::array<double, 3>{4 * s - 3, 4 * s - 1, 4 - 8 * s};
+        edge.count() == 2 ? std::array<double, 3>{-1, 1, 0}
+                          : std::array<double, 3>{4 * s - 3, 4 * s - 1, 4 - 8 * s};
     LoadPoint point;
     Point tangent{};
-    for (std::size_t a = 0; a < static_cast<std::size_t>(edge.count); ++a) {
+    for (std::size_t a = 0; a < static_cast<std::size_t>(edge.count()); ++a) {
       const Point p = position(mesh, edge.vertices[a]);
       point.values[a] = values[a];
       for (std::size_t i = 0; i < 3; ++i) {
@@ -51,7 +51,7 @@ std::vector<LoadPoint> points_of_edge(const Mesh &mesh, const Facet &edge) {
         tangent[i] += slopes[a] * p[i];
       }
     }
-    point.weight = std::hypot(tangent[0], tangent[1]) / (edge.count == 2 ? 1 : 2);
+    point.weight = std::hypot(tangent[0], tangent[1]) / (edge.count() == 2 ? 1 : 2);
     points.push_back(point);
   }
   return points;
@@ -60,12 +60,12 @@ std::vector<LoadPoint> points_of_edge(const Mesh &mesh, const Facet &edge) {
 /// Those of a triangle of the surface, straight or bent: the centroid, or three points for a
 /// quadratic one.
 std::vector<LoadPoint> points_of_triangle(const Mesh &mesh, const Facet &facet) {
-  const ReferenceElement &reference = reference_element(2, facet.count);
+  const ReferenceElement &reference = reference_element(2, facet.count());
   std::vector<LoadPoint> points(static_cast<std::size_t>(reference.points));
   for (int q = 0; q < reference.points; ++q) {
     LoadPoint &point = points[static_cast<std::size_t>(q)];
     Point tangents[2] = {};
-    for (int a = 0; a < facet.count; ++a) {
+    for (int a = 0; a < facet.count(); ++a) {
       const Point p = position(mesh, facet.begin()[a]);
       point.values[a] = reference.values[q][a];
       for (std::size_t i = 0; i < 3; ++i) {
@@ -86,7 +86,7 @@ std::vector<LoadPoint> points_of_triangle(const Mesh &mesh, const Facet &facet) 
 
 /// Those of a cell: its element's own.
 std::vector<LoadPoint> points_of_cell(const Mesh &mesh, const PetscInt *cell) {
-  const ReferenceElement &reference = reference_element(mesh.dimension, mesh.nodes_per_cell);
+  const ReferenceElement &reference = reference_element(mesh.dimension(), mesh.nodes_per_cell());
   double positions[3 * ReferenceElement::most_nodes];
   for (int a = 0; a < reference.nodes; ++a) {
     const Point p = position(mesh, cell[a]);
@@ -111,11 +111,11 @@ std::vector<LoadPoint> points_of_cell(const Mesh &mesh, const PetscInt *cell) {
 Point vector_at(const Mesh &mesh, const Expression &formula, const std::string &option,
                 const Point &at, double time) {
   const std::vector<double> values =
-      formula.evaluate(at.data(), time, static_cast<std::size_t>(mesh.dimension));
+      formula.evaluate(at.data(), time, static_cast<std::size_t>(mesh.dimension()));
   if (std::any_of(values.begin(), values.end(), Expression::is_free)) {
     throw InputError(option + ": 'free' is for displacements, not for loads");
   }
-  return {values[0], values[1], mesh.dimension == 3 ? values[2] : 0};
+  return {values[0], values[1], mesh.dimension() == 3 ? values[2] : 0};
 }
 
 /// Adds a force per volume or area at a point, by the shape functions there.
@@ -136,11 +136,11 @@ void add_gravity(const Mesh &mesh, const LoadOptions &loads,
   const std::string option = "-load_gravity";
   const Expression gravity(loads.gravity, option, mesh.box_min, mesh.box_max);
   for (std::size_t c = 0; c < density_of_cell.size(); ++c) {
-    const PetscInt *cell = &mesh.cells[static_cast<std::size_t>(mesh.nodes_per_cell) * c];
+    const PetscInt *cell = &mesh.cells[static_cast<std::size_t>(mesh.nodes_per_cell()) * c];
     for (const LoadPoint &point : points_of_cell(mesh, cell)) {
       Point force = vector_at(mesh, gravity, option, point.position, time);
       for (double &component : force) component *= density_of_cell[c];
-      spread(force, point, cell, mesh.nodes_per_cell, forces);
+      spread(force, point, cell, mesh.nodes_per_cell(), forces);
     }
   }
 }
@@ -171,7 +171,7 @@ PetscErrorCode facets_of(const Mesh &mesh, const TractionOptions &load, double t
   });
   PetscCall(agree_on_complaint(comm, complaint));
   const auto wanted = [&](const Facet &facet) {
-    return std::all_of(facet.begin(), facet.begin() + facet.corners,
+    return std::all_of(facet.begin(), facet.begin() + facet.corners(),
                        [&](PetscInt v) { return chosen[static_cast<std::size_t>(v)]; });
   };
   PetscCall(boundary_facets(mesh, wanted, facets));
@@ -181,7 +181,7 @@ PetscErrorCode facets_of(const Mesh &mesh, const TractionOptions &load, double t
              "load '%s' takes no facet of the surface: %s, which must hold at %s, "
              "is '%s'",
              load.name.c_str(), option.c_str(),
-             mesh.dimension == 3 ? "all three vertices" : "both ends", load.where.c_str());
+             mesh.dimension() == 3 ? "all three vertices" : "both ends", load.where.c_str());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -196,9 +196,9 @@ PetscErrorCode add_traction(const Mesh &mesh, const TractionOptions &load, doubl
     const Expression traction(load.traction, option, mesh.box_min, mesh.box_max);
     for (const Facet &facet : facets) {
       for (const LoadPoint &point :
-           mesh.dimension == 3 ? points_of_triangle(mesh, facet) : points_of_edge(mesh, facet)) {
+           mesh.dimension() == 3 ? points_of_triangle(mesh, facet) : points_of_edge(mesh, facet)) {
         spread(vector_at(mesh, traction, option, point.position, time), point, facet.begin(),
-               facet.count, *forces);
+               facet.count(), *forces);
       }
     }
   });

@@ -81,8 +81,8 @@ PetscErrorCode check_rigid_body_modes(const Mesh &mesh, const HeldDofs &held) {
       loose_parts == 0, comm, PETSC_ERR_USER_INPUT,
       "the constraints let %s move rigidly (%d of %d rigid-body modes free%s); hold at least "
       "%s, in all components",
-      whose.c_str(), free_modes, mesh.dimension == 2 ? 3 : 6, parts == 1 ? "" : " in the first",
-      mesh.dimension == 2 ? "two vertices" : "three vertices that are not on one line");
+      whose.c_str(), free_modes, mesh.dimension() == 2 ? 3 : 6, parts == 1 ? "" : " in the first",
+      mesh.dimension() == 2 ? "two vertices" : "three vertices that are not on one line");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -27,8 +27,8 @@ std::string mesh_name(const SceneOptions &options) {
 /// Refines, as the distributed mesh can where its cells are linear, and adds midpoints of edges.
 void make_quadratic(const SceneOptions &options, CellList &whole) {
   const PetscInt refine = options.mesh_file.empty() ? 0 : options.refine;
-  for (PetscInt level = 0; level < refine && whole.order == 1; ++level) {
-    if (std::pow(8., whole.dim / 3.) * static_cast<double>(whole.cells.size()) * 8 > PETSC_MAX_INT)
+  for (PetscInt level = 0; level < refine && !is_quadratic(*whole.shape); ++level) {
+    if (8. * whole.shape->children * static_cast<double>(whole.cells.size()) > PETSC_MAX_INT)
       throw InputError("-mesh_refine " + std::to_string(refine) +
                        " would make more cells than can be numbered; refine less");
     refine_uniformly(whole);
@@ -54,7 +54,7 @@ CellList prepare_mesh(const SceneOptions &options, PetscInt *unused, PetscInt *d
 
 /// Refuses what PetscInt cannot number: each refinement cuts a tetrahedron into eight.
 PetscErrorCode check_refined_size(MPI_Comm comm, const CellList &whole, PetscInt refine) {
-  PetscInt shape[2] = {whole.size(), whole.order};  // known on the first rank
+  PetscInt shape[2] = {whole.size(), whole.shape->order};  // known on the first rank
   PetscFunctionBeginUser;
   PetscCallMPI(MPI_Bcast(shape, 2, MPIU_INT, 0, comm));
   PetscCheck(shape[1] == 1 || refine == 0, comm, PETSC_ERR_USER_INPUT,
@@ -81,22 +81,22 @@ PetscErrorCode load_mesh(MPI_Comm comm, const SceneOptions &options, Mesh *mesh)
   PetscCall(agree_on_complaint(comm, complaint));
   if (dropped) {
     PetscCall(PetscPrintf(comm, "dropped %" PetscInt_FMT " %s without positive volume\n", dropped,
-                          whole.dim == 2 ? "triangles" : "tetrahedra"));
+                          whole.shape->plural));
   }
   if (unused) {
     PetscCall(PetscPrintf(comm, "dropped %" PetscInt_FMT " vertices that no %s uses\n", unused,
-                          whole.dim == 2 ? "triangle" : "tetrahedron"));
+                          whole.shape->singular));
   }
   // A generated mesh was refined where it was generated, true to its curved boundary.
   // So was one that was made quadratic.
   const PetscInt refine = options.mesh_file.empty() || options.order == 2 ? 0 : options.refine;
   PetscCall(check_refined_size(comm, whole, refine));
   PetscCall(distribute_mesh(comm, whole, options.partitioner, refine, mesh));
-  const bool quadratic = mesh->total_corners < mesh->total_vertices;
-  PetscCall(PetscPrintf(
-      comm, "mesh: %s, %" PetscInt_FMT " %s, %" PetscInt_FMT " %s%s", mesh_name(options).c_str(),
-      mesh->total_vertices, quadratic ? "nodes" : "vertices", mesh->total_cells,
-      quadratic ? "quadratic " : "", mesh->dimension == 2 ? "triangles" : "tetrahedra"));
+  const bool quadratic = is_quadratic(*mesh->shape);
+  PetscCall(PetscPrintf(comm, "mesh: %s, %" PetscInt_FMT " %s, %" PetscInt_FMT " %s%s",
+                        mesh_name(options).c_str(), mesh->total_vertices,
+                        quadratic ? "nodes" : "vertices", mesh->total_cells,
+                        quadratic ? "quadratic " : "", mesh->shape->plural));
   if (ranks > 1) {
     PetscCall(PetscPrintf(comm, " on %d ranks, edge cut %" PetscInt_FMT ", imbalance %.3f", ranks,
                           mesh->edge_cut, mesh->imbalance));
@@ -119,7 +119,7 @@ std::unique_ptr<Term> make_elastic_term(const SceneOptions &options, const Mesh 
                           : MaterialRuns(std::move(materials), region_of_cell);
   const auto space =
       options.filter_space == "deformation" ? FilterSpace::deformation : FilterSpace::element;
-  if (mesh.nodes_per_cell == 4 && space == FilterSpace::element) {
+  if (mesh.nodes_per_cell() == 4 && space == FilterSpace::element) {
     return std::make_unique<ElasticTerm>(mesh, std::move(runs));
   }
   return std::make_unique<ElementTerm>(mesh, std::move(runs), space);

@@ -117,7 +117,7 @@ PetscErrorCode ComponentSolver::set_up(const Discretization &discretization, Mat
   PetscFunctionBeginUser;
   PetscCall(find_unknowns(discretization, H));
   const bool same = discretization.has_whole_blocks();
-  components_ = static_cast<std::size_t>(discretization.mesh().dimension);
+  components_ = static_cast<std::size_t>(discretization.mesh().dimension());
   for (std::size_t i = 0; i < components_; ++i) {
     if (i > 0 && same) {
       PetscCall(PetscObjectReference(reinterpret_cast<PetscObject>(solver_[0])));
@@ -180,7 +180,7 @@ PetscErrorCode spread_displacements(const EnergyFunctional &functional,
       PetscCall(solver.correct(g, x));
     }
     cost->rotations = rotation_steps;
-    cost->linear_solves += discretization.mesh().dimension * (1 + rotation_steps);
+    cost->linear_solves += discretization.mesh().dimension() * (1 + rotation_steps);
   }
   PetscCall(VecDestroy(&g));
   PetscCall(PetscTime(&end));

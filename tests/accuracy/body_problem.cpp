@@ -48,7 +48,7 @@ PetscErrorCode Problem::set_up(const CellList &whole, std::unique_ptr<MaterialMo
   PetscCall(distribute_mesh(PETSC_COMM_WORLD, whole, "metis", 0, &mesh));
   HeldDofs held = nothing_held(mesh);
   for (std::size_t v = 0; v < mesh.owned.size(); ++v) {
-    for (int i = 0; i < mesh.dimension; ++i) {
+    for (int i = 0; i < mesh.dimension(); ++i) {
       const std::optional<double> value = prescribed(&mesh.coordinates[3 * v], i);
       if (!value) continue;
       held.held[3 * v + static_cast<std::size_t>(i)] = 1;
@@ -57,7 +57,7 @@ PetscErrorCode Problem::set_up(const CellList &whole, std::unique_ptr<MaterialMo
   }
   PetscCall(discretization.set_up(mesh, held));
   std::unique_ptr<Term> elastic;
-  if (mesh.nodes_per_cell == 4) {
+  if (mesh.nodes_per_cell() == 4) {
     elastic = std::make_unique<ElasticTerm>(mesh, std::move(material));
   } else {
     elastic = std::make_unique<ElementTerm>(mesh, std::move(material), FilterSpace::element);
@@ -72,7 +72,7 @@ PetscErrorCode Problem::set_up(const CellList &whole, std::unique_ptr<MaterialMo
 }
 
 std::vector<CellPoint> Problem::points(PetscInt cell) const {
-  const int nodes = mesh.nodes_per_cell, dim = mesh.dimension;
+  const int nodes = mesh.nodes_per_cell(), dim = mesh.dimension();
   static const std::vector<std::array<double, 4>> rules[2] = {collapsed_rule(2), collapsed_rule(3)};
   std::vector<CellPoint> result;
   for (const auto &[r, s, t, weight] : rules[dim - 2]) {
@@ -104,10 +104,10 @@ void Problem::add_body_force(const VectorField &force) {
   for (PetscInt c = 0; c < mesh.local_cells(); ++c)
     for (const CellPoint &point : points(c)) {
       const std::array<double, 3> b = force(point.position);
-      for (int a = 0; a < mesh.nodes_per_cell; ++a) {
+      for (int a = 0; a < mesh.nodes_per_cell(); ++a) {
         const auto node = static_cast<std::size_t>(
-            mesh.cells[static_cast<std::size_t>(mesh.nodes_per_cell * c + a)]);
-        for (std::size_t i = 0; i < static_cast<std::size_t>(mesh.dimension); ++i)
+            mesh.cells[static_cast<std::size_t>(mesh.nodes_per_cell() * c + a)]);
+        for (std::size_t i = 0; i < static_cast<std::size_t>(mesh.dimension()); ++i)
           term_->forces()[3 * node + i] += point.weight * point.values[a] * b[i];
       }
     }
@@ -115,7 +115,7 @@ void Problem::add_body_force(const VectorField &force) {
 
 void Problem::add_edge_force(double x, const std::array<double, 2> &total) {
   constexpr int edges[3][2] = {{0, 1}, {1, 2}, {2, 0}};
-  const auto nodes = static_cast<std::size_t>(mesh.nodes_per_cell);
+  const auto nodes = static_cast<std::size_t>(mesh.nodes_per_cell());
   std::vector<double> share(mesh.owned.size(), 0);  // of the length of the edge
   double length = 0;
   for (std::size_t c = 0; c < mesh.cells.size(); c += nodes)
@@ -244,19 +244,19 @@ Problem::Errors Problem::errors(const std::vector<double> &u, const VectorField 
     for (const CellPoint &point : points(c)) {
       const std::array<double, 3> exact = displacement(point.position);
       const Matrix3<double> F = gradient(point.position);
-      for (int i = 0; i < mesh.dimension; ++i) {
+      for (int i = 0; i < mesh.dimension(); ++i) {
         double value = 0, slope[3] = {0, 0, 0};
-        for (int a = 0; a < mesh.nodes_per_cell; ++a) {
+        for (int a = 0; a < mesh.nodes_per_cell(); ++a) {
           const auto node = static_cast<std::size_t>(
-              mesh.cells[static_cast<std::size_t>(mesh.nodes_per_cell * c + a)]);
+              mesh.cells[static_cast<std::size_t>(mesh.nodes_per_cell() * c + a)]);
           const double u_a = u[3 * node + static_cast<std::size_t>(i)];
           value += point.values[a] * u_a;
-          for (int j = 0; j < mesh.dimension; ++j) slope[j] += point.gradients[a][j] * u_a;
+          for (int j = 0; j < mesh.dimension(); ++j) slope[j] += point.gradients[a][j] * u_a;
         }
         const double true_value = exact[static_cast<std::size_t>(i)];
         sums[0] += point.weight * (value - true_value) * (value - true_value);
         sums[1] += point.weight * true_value * true_value;
-        for (int j = 0; j < mesh.dimension; ++j) {
+        for (int j = 0; j < mesh.dimension(); ++j) {
           const double true_slope = F(i, j) - (i == j ? 1 : 0);
           sums[2] += point.weight * (slope[j] - true_slope) * (slope[j] - true_slope);
           sums[3] += point.weight * true_slope * true_slope;

@@ -31,11 +31,11 @@ class AccuracyOrderTest : public testing::TestWithParam<Case> {
   static Problem::Errors errors_at(PetscInt resolution) {
     const StableNeoHookean material({1, 0.3}, StableNeoHookean::Lame::physical);
     CellList mesh = generate_mesh(GetParam().mesh, resolution, 0);
-    Manufactured exact{mesh.dim, 0.08, 0.05};
+    Manufactured exact{mesh.dimension(), 0.08, 0.05};
     if (GetParam().order == 2) promote_to_quadratic(mesh);
     order_along_curve(mesh);
     const auto on_boundary = [&](const double *p) {
-      for (int i = 0; i < mesh.dim; ++i)
+      for (int i = 0; i < mesh.dimension(); ++i)
         if (p[i] < 1e-9 || p[i] > 1 - 1e-9) return true;
       return false;
     };

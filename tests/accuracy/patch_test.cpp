@@ -30,13 +30,13 @@ CellList distorted_mesh(const Element &element) {
   CellList mesh = generate_mesh(element.dimension == 2 ? "square" : "box", 3, 0);
   const auto inside = [&](const double *p) {
     bool result = true;
-    for (int i = 0; i < mesh.dim; ++i) result = result && p[i] > 1e-9 && p[i] < 1 - 1e-9;
+    for (int i = 0; i < mesh.dimension(); ++i) result = result && p[i] > 1e-9 && p[i] < 1 - 1e-9;
     return result;
   };
   const auto shift = [&](std::size_t first, double size) {
     for (std::size_t v = first; 3 * v < mesh.coordinates.size(); ++v)
       for (std::size_t i = 0; inside(&mesh.coordinates[3 * v]) && i < 3; ++i)
-        if (static_cast<int>(i) < mesh.dim)
+        if (static_cast<int>(i) < mesh.dimension())
           mesh.coordinates[3 * v + i] += size * std::sin(91. * static_cast<double>(3 * v + i));
   };
   shift(0, 0.07);

@@ -68,7 +68,7 @@ struct Body {
     held = nothing_held(mesh);
     for (std::size_t v = 0; v < mesh.owned.size(); ++v) {
       const double *p = &mesh.coordinates[3 * v];
-      for (int i = 0; i < mesh.dimension; ++i) {
+      for (int i = 0; i < mesh.dimension(); ++i) {
         const auto dof = 3 * v + static_cast<std::size_t>(i);
         held.held[dof] = holding(p, i);
         held.value[dof] = holding(p, i) ? moved(p, i) : 0;
@@ -77,7 +77,7 @@ struct Body {
     PetscCall(discretization.set_up(mesh, held));
     functional = std::make_unique<EnergyFunctional>(discretization);
     auto material = make_material_model(soft_material());
-    if (mesh.nodes_per_cell == 4 && space == FilterSpace::element) {
+    if (mesh.nodes_per_cell() == 4 && space == FilterSpace::element) {
       functional->add_term(std::make_unique<ElasticTerm>(mesh, std::move(material)));
     } else {
       functional->add_term(std::make_unique<ElementTerm>(mesh, std::move(material), space));

@@ -48,7 +48,7 @@ CellList make_mesh(const ElementScene &scene) {
   const auto corners = static_cast<std::size_t>(mesh.vertices());
   if (scene.order == 2) promote_to_quadratic(mesh);
   for (std::size_t k = 3 * corners; scene.bent && k < mesh.coordinates.size(); ++k) {
-    if (static_cast<int>(k % 3) == mesh.dim) continue;
+    if (static_cast<int>(k % 3) == mesh.dimension()) continue;
     mesh.coordinates[k] += 0.02 * std::sin(37. * static_cast<double>(k));
   }
   return mesh;
@@ -74,22 +74,22 @@ TEST_P(ElementSceneTest, MeshKnowsItsElement) {
   Body body;
   ASSERT_EQ(set_up(PETSC_COMM_WORLD, &body), PETSC_SUCCESS);
   const Mesh &mesh = body.mesh;
-  EXPECT_EQ(mesh.dimension, whole.dim);
-  EXPECT_EQ(mesh.nodes_per_cell, whole.nodes_per_cell());
+  EXPECT_EQ(mesh.dimension(), whole.dimension());
+  EXPECT_EQ(mesh.nodes_per_cell(), whole.nodes_per_cell());
   EXPECT_EQ(mesh.element_name(),
             std::string(GetParam().name).substr(0, mesh.element_name().size()));
   EXPECT_EQ(mesh.total_vertices, whole.vertices());
   EXPECT_EQ(mesh.total_cells, whole.size());
   const PetscInt n = GetParam().resolution + 1;
-  EXPECT_EQ(mesh.total_corners, mesh.dimension == 2 ? n * n : n * n * n);
+  EXPECT_EQ(mesh.total_corners, mesh.dimension() == 2 ? n * n : n * n * n);
   PetscInt free_components = 0;
   for (PetscInt v = 0; v < whole.vertices(); ++v)
-    for (int i = 0; i < whole.dim; ++i)
+    for (int i = 0; i < whole.dimension(); ++i)
       free_components +=
           !GetParam().holding(&whole.coordinates[static_cast<std::size_t>(3 * v)], i);
   EXPECT_EQ(body.discretization.total_dofs(), free_components);
   const bool whole_blocks = std::string(GetParam().name).find("components") == std::string::npos;
-  EXPECT_EQ(body.discretization.block_size(), whole_blocks ? whole.dim : 1);
+  EXPECT_EQ(body.discretization.block_size(), whole_blocks ? whole.dimension() : 1);
 }
 
 TEST_P(ElementSceneTest, GradientAndHessianAreDerivatives) {
@@ -263,7 +263,7 @@ TEST_P(ElementSceneTest, RigidModesAreAttached) {
   ASSERT_EQ(MatGetNearNullSpace(H, &space), PETSC_SUCCESS);
   ASSERT_NE(space, nullptr);
   ASSERT_EQ(MatNullSpaceGetVecs(space, nullptr, &count, nullptr), PETSC_SUCCESS);
-  EXPECT_EQ(count, body.mesh.dimension == 2 ? 3 : 6);
+  EXPECT_EQ(count, body.mesh.dimension() == 2 ? 3 : 6);
 }
 
 }  // namespace

@@ -33,8 +33,9 @@ struct Heap {
   Heap(const Kind &kind, unsigned seed) {
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> uniform(-1, 1);
-    mesh.dimension = kind.dimension;
-    mesh.nodes_per_cell = kind.nodes;
+    mesh.shape = *std::find_if(mesh_shapes().begin(), mesh_shapes().end(), [&](const auto *shape) {
+      return shape->dimension == kind.dimension && shape->nodes == kind.nodes;
+    });
     const ReferenceElement &reference = reference_element(kind.dimension, kind.nodes);
     for (int e = 0; e < count; ++e) {
       double position[30] = {};
@@ -58,11 +59,11 @@ struct Heap {
     }
   }
   [[nodiscard]] IsoparametricElement element(int e) const {
-    return {reference_element(mesh.dimension, mesh.nodes_per_cell),
-            &mesh.coordinates[static_cast<std::size_t>(3 * mesh.nodes_per_cell * e)]};
+    return {reference_element(mesh.dimension(), mesh.nodes_per_cell()),
+            &mesh.coordinates[static_cast<std::size_t>(3 * mesh.nodes_per_cell() * e)]};
   }
   [[nodiscard]] const double *displacements(int e) const {
-    return &u[static_cast<std::size_t>(3 * mesh.nodes_per_cell * e)];
+    return &u[static_cast<std::size_t>(3 * mesh.nodes_per_cell() * e)];
   }
 };
 

@@ -161,13 +161,12 @@ class ElementRunsTest : public testing::TestWithParam<std::pair<const char *, in
     CellList whole = generate_mesh(GetParam().first, 3, 0);
     const auto corners = whole.coordinates.size();
     if (GetParam().second == 2) promote_to_quadratic(whole);
-    mesh_.dimension = whole.dim;
-    mesh_.nodes_per_cell = whole.nodes_per_cell();
+    mesh_.shape = whole.shape;
     mesh_.cells = whole.cells;
     mesh_.coordinates = whole.coordinates;
     Random random(8);
     for (std::size_t k = 0; k < whole.coordinates.size(); ++k) {
-      const bool in_plane = static_cast<int>(k % 3) < whole.dim;
+      const bool in_plane = static_cast<int>(k % 3) < whole.dimension();
       if (k >= corners && in_plane) mesh_.coordinates[k] += 0.01 * random.uniform();
       u_.push_back(in_plane ? 0.01 * random.uniform() : 0);
     }
@@ -180,13 +179,13 @@ class ElementRunsTest : public testing::TestWithParam<std::pair<const char *, in
     return {mesh_, MaterialRuns(std::move(materials), material_of_cell_), space};
   }
   [[nodiscard]] const PetscInt *nodes(std::size_t cell) const {
-    return &mesh_.cells[static_cast<std::size_t>(mesh_.nodes_per_cell) * cell];
+    return &mesh_.cells[static_cast<std::size_t>(mesh_.nodes_per_cell()) * cell];
   }
   /// The numbers of a cell's nodes, three each.
   [[nodiscard]] std::vector<double> of_cell(const std::vector<double> &all,
                                             std::size_t cell) const {
     std::vector<double> own;
-    for (int a = 0; a < mesh_.nodes_per_cell; ++a)
+    for (int a = 0; a < mesh_.nodes_per_cell(); ++a)
       for (int i = 0; i < 3; ++i)
         own.push_back(all[static_cast<std::size_t>(3 * nodes(cell)[a] + i)]);
     return own;
@@ -207,7 +206,7 @@ TEST_P(ElementRunsTest, SumsAndCellsAreThoseOfTheQuadraturePoints) {
   double spread = 0;
   for (std::size_t c = 0; c < cells; ++c) {
     const auto model = material(static_cast<std::size_t>(material_of_cell_[c]));
-    const IsoparametricElement element(reference_element(mesh_.dimension, mesh_.nodes_per_cell),
+    const IsoparametricElement element(reference_element(mesh_.dimension(), mesh_.nodes_per_cell()),
                                        of_cell(mesh_.coordinates, c).data());
     const double rest = model->energy_density(diagonal(1, 1, 1));
     Tangent<double> A;
@@ -253,7 +252,7 @@ TEST_P(ElementRunsTest, WhatIsNotFiniteAtAPointIsSoInItsElement) {
   EXPECT_EQ(result.status, SplitStatus::not_finite);
   int first = -1, indefinite = 0;
   for (std::size_t c = 0; c < material_of_cell_.size(); ++c) {
-    const bool touched = std::count(nodes(c), nodes(c) + mesh_.nodes_per_cell, node) > 0;
+    const bool touched = std::count(nodes(c), nodes(c) + mesh_.nodes_per_cell(), node) > 0;
     EXPECT_EQ(after[c], touched ? -1 : before[c]) << c;
     if (touched && first < 0) first = static_cast<int>(c);
   }

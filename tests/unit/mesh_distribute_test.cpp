@@ -264,7 +264,7 @@ TEST(PartitionerTest, UnknownNamesAreErrorsOnAllRanks) {
 TEST(PartitionerTest, MoreRanksThanCellsIsAnError) {
   int ranks = 1;
   MPI_Comm_size(PETSC_COMM_WORLD, &ranks);
-  const CellList one{3, 1, {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 1, 2, 3}};
+  const CellList one{&shapes::tet4, {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 1, 2, 3}};
   Mesh mesh;
   ASSERT_EQ(PetscPushErrorHandler(PetscReturnErrorHandler, nullptr), PETSC_SUCCESS);
   EXPECT_EQ(distribute_mesh(PETSC_COMM_WORLD, one, "metis", 0, &mesh),
@@ -317,8 +317,7 @@ TEST(ComponentsTest, EveryBoxIsOne) {
 
 // Boxes that share a vertex hang together by it.
 TEST(ComponentsTest, OneSharedVertexIsEnough) {
-  CellList two{3,
-               1,
+  CellList two{&shapes::tet4,
                {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, -1, 0, 0, 0, -1, 0, 0, 0, -1},
                {0, 1, 2, 3, 0, 5, 4, 6}};
   int ranks = 1;

@@ -16,7 +16,7 @@ std::vector<std::string> sample_in_all_formats() {
 }
 
 void expect_equal(const CellList &mesh, const CellList &expected) {
-  EXPECT_EQ(mesh.dim, 3);
+  EXPECT_EQ(mesh.dimension(), 3);
   EXPECT_EQ(mesh.nodes_per_cell(), 4);
   EXPECT_EQ(mesh.coordinates, expected.coordinates);
   EXPECT_EQ(mesh.cells, expected.cells);
@@ -196,16 +196,16 @@ TEST(ReadMesh, SecondOrderCellsOfGmsh) {
                                       "6\n1 0 0 0\n2 2 0 0\n3 0 2 0\n4 1 0.1 0\n5 1 1 0\n6 0 1 0\n"
                                       "$EndNodes\n$Elements\n2\n1 8 2 0 1 1 2 4\n"
                                       "2 9 2 0 1 1 2 3 4 5 6\n$EndElements\n");
-  EXPECT_EQ(flat.dim, 2);
-  EXPECT_EQ(flat.order, 2);
+  EXPECT_EQ(flat.dimension(), 2);
+  EXPECT_EQ(flat.shape->order, 2);
   EXPECT_EQ(flat.size(), 1);
   EXPECT_EQ(flat.cells, (std::vector<PetscInt>{0, 1, 2, 3, 4, 5}));
   const CellList solid = read_contents(
       head +
       "10\n1 0 0 0\n2 2 0 0\n3 0 2 0\n4 0 0 2\n5 1 0 0\n6 1 1 0\n7 0 1 0\n8 0 0 1\n9 0 1 1\n"
       "10 1 0 1\n$EndNodes\n$Elements\n1\n1 11 2 0 1 1 2 3 4 5 6 7 8 9 10\n$EndElements\n");
-  EXPECT_EQ(solid.dim, 3);
-  EXPECT_EQ(solid.order, 2);
+  EXPECT_EQ(solid.dimension(), 3);
+  EXPECT_EQ(solid.shape->order, 2);
   // Every midpoint lies between its corners in our order, which is not Gmsh's.
   constexpr std::size_t edges[6][2] = {{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 3}, {2, 3}};
   for (std::size_t e = 0; e < 6; ++e)
@@ -228,7 +228,7 @@ TEST(ReadMesh, PlaneMeditMeshes) {
         read_contents(std::string("MeshVersionFormatted 2\nDimension ") + (has_z ? "3" : "2") +
                       "\nVertices\n4\n0 0" + z + " 0\n1 0" + z + " 0\n1 1" + z + " 0\n0 1" + z +
                       " 0\nEdges 1\n1 2 7\nTriangles\n2\n1 2 3 0\n1 3 4 0\nEnd\n");
-    EXPECT_EQ(mesh.dim, 2);
+    EXPECT_EQ(mesh.dimension(), 2);
     EXPECT_EQ(mesh.coordinates, (std::vector<double>{0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0}));
     EXPECT_EQ(mesh.cells, (std::vector<PetscInt>{0, 1, 2, 0, 2, 3}));
   }

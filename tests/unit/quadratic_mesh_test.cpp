@@ -22,7 +22,7 @@ struct Sizes {
 
 Sizes measure(const CellList &mesh) {
   Sizes sizes;
-  const ReferenceElement &reference = reference_element(mesh.dim, mesh.nodes_per_cell());
+  const ReferenceElement &reference = reference_element(mesh.dimension(), mesh.nodes_per_cell());
   const auto width = static_cast<std::size_t>(mesh.nodes_per_cell());
   for (std::size_t c = 0; c < mesh.cells.size(); c += width) {
     std::vector<double> position;
@@ -45,7 +45,7 @@ class QuadraticMeshTest : public testing::TestWithParam<const char *> {
 TEST_P(QuadraticMeshTest, MidpointsAreSharedAndInTheMiddle) {
   CellList mesh = linear_;
   promote_to_quadratic(mesh);
-  EXPECT_EQ(mesh.order, 2);
+  EXPECT_EQ(mesh.shape->order, 2);
   EXPECT_EQ(mesh.size(), linear_.size());
   std::set<std::pair<PetscInt, PetscInt>> edges;
   const auto corners = static_cast<std::size_t>(linear_.corners());
@@ -66,8 +66,8 @@ TEST_P(QuadraticMeshTest, MidpointsAreSharedAndInTheMiddle) {
 TEST_P(QuadraticMeshTest, RefinementKeepsTheVolumeAndHalvesTheEdges) {
   CellList mesh = linear_;
   refine_uniformly(mesh);
-  EXPECT_EQ(mesh.order, 1);
-  EXPECT_EQ(mesh.size(), (mesh.dim == 2 ? 4 : 8) * linear_.size());
+  EXPECT_EQ(mesh.shape->order, 1);
+  EXPECT_EQ(mesh.size(), mesh.shape->children * linear_.size());
   EXPECT_EQ(check_rest_shape(mesh).bad(), 0);
   EXPECT_NEAR(measure(mesh).volume / measure(linear_).volume, 1, 1e-13);
   // Conforming: every face inside belongs to two cells, so that a second refinement shares
@@ -83,7 +83,7 @@ TEST_P(QuadraticMeshTest, ChildrenAreInTheirParentsGroup) {
   std::map<PetscInt, double> before, after;  // the volume of each group
   const auto add_up = [](const CellList &list, std::map<PetscInt, double> &volumes) {
     ASSERT_EQ(list.groups.size(), static_cast<std::size_t>(list.size()));
-    CellList alone{list.dim, list.order, list.coordinates, {}};
+    CellList alone{list.shape, list.coordinates, {}};
     for (PetscInt c = 0; c < list.size(); ++c) {
       const auto cell = list.cells.begin() + c * list.nodes_per_cell();
       alone.cells.assign(cell, cell + list.nodes_per_cell());
@@ -125,7 +125,7 @@ TEST_P(QuadraticMeshTest, CellsThatAreBentTooFarAreNamed) {
   } catch (const InputError &error) {
     const std::string sentence = error.what();
     EXPECT_NE(sentence.find("the mesh: "), std::string::npos) << sentence;
-    const std::string kind = mesh.dim == 2 ? "triangle " : "tetrahedron ";
+    const std::string kind = mesh.dimension() == 2 ? "triangle " : "tetrahedron ";
     ASSERT_NE(sentence.find(kind), std::string::npos) << sentence;
     const std::size_t number = std::stoul(sentence.substr(sentence.find(kind) + kind.size()));
     ASSERT_GE(number, 1u);  // they are counted from 1
@@ -153,7 +153,7 @@ TEST(RefinementTest, CutsOctahedraAlongTheirShortestDiagonal) {
     const std::vector<double> x = mesh.coordinates;
     mesh.cells = {0, 1, 2, 3};
     mesh.coordinates.resize(12);
-    mesh.order = 1;
+    mesh.shape = &shapes::tet4;
     refine_uniformly(mesh);
     ASSERT_EQ(mesh.coordinates, x);
     const std::size_t diagonals[3][2] = {{4, 9}, {5, 7}, {6, 8}};  // midpoints of opposite edges

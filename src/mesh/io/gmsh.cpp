@@ -165,18 +165,19 @@ GmshContents read_sections(MeshFile &file, const Format &format) {
   return contents;
 }
 
-// The cells that make the body: tetrahedra where there are any, else triangles.
+// The cells that make the body: those of the highest dimension.
 GmshCells &body(const MeshFile &file, GmshContents &contents) {
-  for (const std::size_t linear : {2, 0}) {
-    GmshCells &first = contents.cells[linear], &second = contents.cells[linear + 1];
-    if (first.tags.empty() && second.tags.empty()) continue;
-    if (!first.tags.empty() && !second.tags.empty())
+  GmshCells *found = nullptr;
+  for (GmshCells &each : contents.cells) {
+    if (each.tags.empty()) continue;
+    if (found && found->shape->dimension == each.shape->dimension)
       file.fail_as_a_whole("has " +
-                           counted_cells(static_cast<PetscInt>(first.tags.size()), first.dim) +
-                           " of first order beside " + std::to_string(second.tags.size()) +
+                           counted(static_cast<long long>(found->tags.size()), *found->shape) +
+                           " of first order beside " + std::to_string(each.tags.size()) +
                            " of second; save it again with all of one order (gmsh -order 2)");
-    return first.tags.empty() ? second : first;
+    found = &each;
   }
+  if (found) return *found;
   file.fail_as_a_whole(
       "has no tetrahedra (element type 4 or 11) and no triangles in $Elements; mesh the volume "
       "(gmsh -3) and save all of it");
@@ -187,21 +188,23 @@ void number_groups(const GmshCells &cells, const GmshGroups &groups, CellList &m
   if (std::any_of(cells.groups.begin(), cells.groups.end(),
                   [](std::int64_t group) { return group != 0; }))
     mesh.groups.assign(cells.groups.begin(), cells.groups.end());
-  for (const auto &[name, number] : groups.of_dimension[cells.dim])
+  for (const auto &[name, number] : groups.of_dimension[cells.shape->dimension])
     mesh.group_names.emplace(name, static_cast<PetscInt>(number));
 }
 
 CellList number_vertices(const MeshFile &file, GmshContents contents) {
   CellList mesh;
   const GmshCells &cells = body(file, contents);
-  mesh.dim = cells.dim;
-  mesh.order = cells.order;
+  mesh.shape = cells.shape;
   const auto width = static_cast<std::size_t>(mesh.nodes_per_cell());
   file.check_numbering(static_cast<std::int64_t>(contents.node_tags.size()), 3, "nodes");
   file.check_numbering(static_cast<std::int64_t>(cells.tags.size()), mesh.nodes_per_cell(),
-                       mesh.dim == 2 ? "triangles" : "tetrahedra");
+                       mesh.shape->plural);
   mesh.coordinates = std::move(contents.coordinates);
-  mesh.cells.reserve(cells.nodes.size());
+  mesh.cells.resize(cells.nodes.size());
+  std::vector<std::size_t> place(width);  // in our order, of each node in theirs
+  for (std::size_t k = 0; k < width; ++k)
+    place[static_cast<std::size_t>(mesh.shape->gmsh_order[k])] = k;
   const VertexOfTag vertex_of_tag(file, contents.node_tags);
   for (std::size_t entry = 0; entry < cells.nodes.size(); ++entry) {
     const PetscInt vertex = vertex_of_tag(cells.nodes[entry]);
@@ -209,11 +212,8 @@ CellList number_vertices(const MeshFile &file, GmshContents contents) {
       file.fail_as_a_whole("element " + std::to_string(cells.tags[entry / width]) + " names node " +
                            std::to_string(cells.nodes[entry]) +
                            ", which $Nodes does not define; correct it or save the mesh again");
-    mesh.cells.push_back(vertex);
+    mesh.cells[entry - entry % width + place[entry % width]] = vertex;
   }
-  // Gmsh has the midpoint of edge (2,3) before that of (1,3).
-  for (std::size_t entry = 0; width == 10 && entry < mesh.cells.size(); entry += width)
-    std::swap(mesh.cells[entry + 8], mesh.cells[entry + 9]);
   number_groups(cells, contents.groups, mesh);
   return mesh;
 }

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <map>
 #include <string>
@@ -46,8 +45,7 @@ class GmshNumbers {
 /// Cells of one type as the file has them: their own tags, their physical groups (0: none), and the
 /// tags of their nodes.
 struct GmshCells {
-  std::int64_t type;
-  int dim, order;
+  const CellShape *shape = nullptr;
   std::vector<std::int64_t> tags{}, groups{}, nodes{};
 };
 
@@ -64,13 +62,16 @@ struct GmshContents {
   std::vector<std::int64_t> node_tags;
   std::vector<double> coordinates;  ///< nodes x 3
   GmshGroups groups;
-  /// The types that may make a mesh.
-  std::array<GmshCells, 4> cells{{{2, 2, 1}, {9, 2, 2}, {4, 3, 1}, {11, 3, 2}}};
+  std::vector<GmshCells> cells;  ///< of the shapes that may make a mesh
+
+  GmshContents() {
+    for (const CellShape *shape : mesh_shapes()) cells.push_back({shape});
+  }
 
   /// The cells of a type; null for other types.
   [[nodiscard]] GmshCells *of_type(std::int64_t type) {
     for (GmshCells &each : cells)
-      if (each.type == type) return &each;
+      if (each.shape->gmsh_type == type) return &each;
     return nullptr;
   }
 };

@@ -28,7 +28,7 @@ bool names_other_volume_cells(std::string_view section) {
 [[noreturn]] void fail_for_vertex(const MeshFile &file, const CellList &mesh, std::size_t entry,
                                   std::int64_t vertex, std::int64_t vertices) {
   const std::size_t cell = 1 + entry / static_cast<std::size_t>(mesh.corners());
-  file.fail_as_a_whole((mesh.dim == 2 ? "triangle " : "tetrahedron ") + std::to_string(cell) +
+  file.fail_as_a_whole(mesh.shape->singular + std::string(" ") + std::to_string(cell) +
                        " names vertex " + std::to_string(vertex) +
                        ", but vertices are numbered from 1" +
                        (vertices > 0 ? " to " + std::to_string(vertices) : "") +
@@ -60,9 +60,9 @@ void read_vertices(MeshFile &file, int dimension, std::vector<double> &coordinat
   }
 }
 
-// Tetrahedra or triangles, as mesh.dim says.
+// Tetrahedra or triangles, as mesh.dimension() says.
 void read_cells(MeshFile &file, CellList &mesh) {
-  const bool flat = mesh.dim == 2;
+  const bool flat = mesh.dimension() == 2;
   const char *names = flat ? "triangles" : "tetrahedra";
   const std::int64_t count =
       file.integer(flat ? "the number of triangles" : "the number of tetrahedra");
@@ -126,7 +126,7 @@ CellList read_medit(MeshFile &file) {
   file.integer("the version of the format");
 
   CellList mesh, triangles;
-  triangles.dim = 2;
+  triangles.shape = &shapes::tri3;
   int dimension = 0;
   Seen seen;
   for (std::string section(file.next_word());
