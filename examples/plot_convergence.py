@@ -4,7 +4,8 @@
     python3 examples/plot_convergence.py record.json -o convergence.png
     python3 examples/plot_convergence.py adaptive.json clamp.json absolute.json -o comparison.png
 
-Records of the same mesh are compared: energies are above the lowest that any of them ends with.
+Records of the same mesh are compared: energies are above the lowest that any of them ends with. Each
+load step is a curve; all but the last are above their own ends.
 Debian: python3-numpy python3-matplotlib
 """
 
@@ -13,6 +14,8 @@ import json
 import os
 import sys
 
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "python"))
+
 try:
     import matplotlib
 
@@ -20,6 +23,8 @@ try:
     import matplotlib.pyplot as plt
     import numpy as np
     from matplotlib.lines import Line2D
+
+    from history import final_energies, load_steps
 except ImportError as missing:
     sys.exit(f"plot_convergence.py: {missing.name} is missing: "
              "apt install python3-numpy python3-matplotlib, then use /usr/bin/python3")
@@ -44,6 +49,8 @@ class Record:
                      dtype=float)
             for key in ("k", "energy", "weight", "step", "seconds"))
         self.final_energy = float(result["energy"])
+        self.load_steps = load_steps(data)
+        self.step_ends = final_energies(data)
         self.scale = max(abs(float(result.get("energy_scale") or 0)), abs(self.final_energy))
         self.converged = bool(result["converged"])
         self.mesh = (mesh["vertices"], mesh["elements"], mesh["element"])
@@ -86,12 +93,16 @@ def above_the_lowest(records):
         same_mesh = [other for other in records if other.mesh == record.mesh]
         lowest = min(other.final_energy for other in same_mesh)
         floor = max(np.finfo(float).eps * max(other.scale for other in same_mesh), 1e-300)
-        heights.append((np.maximum(record.energy - lowest, floor), floor))
+        ends = np.full(len(record.energy), lowest)
+        for (first, end), final in zip(record.load_steps[:-1], record.step_ends):
+            ends[first:end] = final
+        heights.append((np.maximum(record.energy - ends, floor), floor))
     return heights
 
 
 def draw_curve(axes, record, x, y, colour):
-    axes.plot(x, y, "-", color=colour, linewidth=1.2, alpha=0.8)
+    for first, end in record.load_steps:
+        axes.plot(x[first:end], y[first:end], "-", color=colour, linewidth=1.2, alpha=0.8)
     for marker, chosen in record.marker_groups():
         axes.plot(x[chosen], y[chosen], marker, color=colour, markersize=6,
                   markeredgecolor="white", markeredgewidth=0.6)
@@ -135,7 +146,9 @@ def plot(records, output):
     if shortest < 0.05:
         steps.set_yscale("log")
     else:
-        steps.set_ylim(0, 1.08)
+        longest = max((record.step[record.steps()].max() for record in records
+                       if record.steps().any()), default=1.0)
+        steps.set_ylim(0, 1.08 * max(longest, 1.0))
     for axes in (by_iteration, steps):
         axes.set_xlabel("iteration [-]")
         axes.xaxis.get_major_locator().set_params(integer=True)

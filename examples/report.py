@@ -27,9 +27,9 @@ try:
     import numpy as np
 
     import trefoil
+    from fields import Units
     from report_page import results
     from report_page.body import Body
-    from report_page.fields import Units
 except ImportError as missing:
     sys.exit(f"report.py: {missing.name} is missing: apt install python3-numpy python3-h5py "
              "python3-matplotlib libjs-three, then use /usr/bin/python3")

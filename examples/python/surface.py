@@ -5,14 +5,15 @@ import numpy as np
 # Local nodes of the faces of a tetrahedron, anticlockwise seen from outside where its volume is
 # positive: three corners, then (of 10 nodes) the midpoints of the edges that follow them.
 FACES = np.array([[1, 2, 3, 5, 9, 8], [0, 3, 2, 7, 9, 6], [0, 1, 3, 4, 8, 7], [0, 2, 1, 6, 5, 4]])
-# A face of 6 nodes is drawn as four triangles.
+# A face of 6 nodes is drawn as four triangles, of whose sides (corner k to k + 1) these are edges.
 QUARTERS = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]])
+QUARTER_EDGES = np.array([[1, 0, 1], [1, 1, 0], [0, 1, 1], [0, 0, 0]], dtype=bool)
 
 
 class Surface:
     """Triangles (n x 3, numbers of points), anticlockwise seen from outside (of a flat body: from
-    above); `cells` (n), whose they are; `edges` (m x 2), the edges of cells, in two parts where they
-    are curved."""
+    above); `cells` (n), whose they are; `is_edge` (n x 3), whether the side from corner k to k + 1 is
+    an edge of a cell and not just a line within a face of six nodes."""
 
     def __init__(self, points, cells, groups=None):
         """`groups`: a number a cell; each group then has a surface of its own, so that one may be
@@ -24,9 +25,14 @@ class Surface:
         quadratic = nodes.shape[1] == 6
         self.triangles = nodes[:, QUARTERS].reshape(-1, 3) if quadratic else nodes
         self.cells = np.repeat(owners, 4) if quadratic else owners
-        sides = ([[0, 3], [3, 1], [1, 4], [4, 2], [2, 5], [5, 0]] if quadratic
-                 else [[0, 1], [1, 2], [2, 0]])
-        self.edges = np.unique(np.sort(nodes[:, sides].reshape(-1, 2), axis=1), axis=0)
+        self.is_edge = (np.tile(QUARTER_EDGES, (len(nodes), 1)) if quadratic
+                        else np.ones((len(nodes), 3), dtype=bool))
+
+    @property
+    def edges(self):
+        """The edges of cells (m x 2), in two parts where they have a node in their middle."""
+        ends = np.stack([self.triangles, np.roll(self.triangles, -1, axis=1)], axis=2)[self.is_edge]
+        return np.unique(np.sort(ends, axis=1), axis=0)
 
 
 def _anticlockwise(points, cells):

@@ -4,8 +4,8 @@ import dataclasses
 
 import numpy as np
 
+import fields
 import surface
-from report_page import fields
 from report_page.packing import Pack
 
 MOST_INVERTED = 2000  # cells whose edges are drawn, in one step

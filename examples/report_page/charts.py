@@ -117,8 +117,8 @@ def line_chart(title, series, x_title, y_title, log=False, whole_x=False, vertic
     for value, words in levels:
         y = y_axis(value)
         drawn.append(f'<path class="level" d="M{LEFT} {y:.1f}H{WIDTH - RIGHT}"/>'
-                     f'<text class="quiet" x="{WIDTH - RIGHT}" y="{y - 5:.1f}" '
-                     f'text-anchor="end">{html.escape(words)}</text>')
+                     f'<text class="quiet" x="{LEFT + 6}" y="{y - 5:.1f}">'
+                     f"{html.escape(words)}</text>")
     drawn.append(f'<path class="axis" d="M{LEFT} {HEIGHT - BOTTOM}H{WIDTH - RIGHT}"/>')
     for number, each in enumerate(series):
         drawn += _curve(each, number, x_axis, y_axis)

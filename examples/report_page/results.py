@@ -4,6 +4,7 @@ import html
 import json
 import re
 
+from history import final_energies, load_steps
 from report_page.charts import Series, line_chart, short
 
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -174,10 +175,8 @@ def convergence_charts(record):
     if not history:
         return ""
     count = list(range(len(record["history"])))
-    borders = [k for k in count[1:] if record["history"][k]["k"] <= record["history"][k - 1]["k"]]
-    parts = [_decrement_chart(record, count, borders)]
-    if not borders:
-        parts.append(_energy_chart(record, count))
+    borders = tuple(first for first, _ in load_steps(record)[1:])
+    parts = [_decrement_chart(record, count, borders), _energy_chart(record, count, borders)]
     used = {shape: words for shape, words in
             (SHAPES.get(entry["weight"], ("d", "another w")) for entry in record["history"])}
     names = {"o": "disc", "v": "triangle", "s": "square", "d": "diamond"}
@@ -212,20 +211,20 @@ def _decrement_chart(record, count, borders):
                       levels=[(level, "tolerance")] if level > 0 else [])
 
 
-def _energy_chart(record, count):
-    final = record["result"].get("energy")
+def _energy_chart(record, count, borders):
     scale = abs(record["result"].get("energy_scale") or 0) or 1
-    energies = [entry["energy"] if entry["energy"] is not None else float("nan")
-                for entry in record["history"]]
-    if final is None:
+    heights = [float("nan")] * len(count)
+    for (first, end), final in zip(load_steps(record), final_energies(record)):
+        for k in range(first, end):
+            energy = record["history"][k]["energy"]
+            if energy is not None and final is not None and energy - final > 2.3e-16 * max(abs(final), scale):
+                heights[k] = energy - final
+    if all(height != height for height in heights):
         return ""
-    floor = 2.3e-16 * max(abs(final), scale)
-    heights = [energy - final if energy - final > floor else float("nan") for energy in energies]
-    if not any(height == height for height in heights):
-        return ""
-    return line_chart("Energy above where the run ended",
-                      [Series("energy", count, heights, _hints(record), _shapes(record))],
-                      "iteration", "energy − final energy", log=True, whole_x=True)
+    return line_chart("Energy above where " + ("each load step" if borders else "the run") + " ended",
+                      [Series("energy", count, heights, _hints(record), _shapes(record), borders)],
+                      "iteration", "energy − final energy", log=True, whole_x=True,
+                      verticals=[border - 0.5 for border in borders])
 
 
 def step_charts(record, units):

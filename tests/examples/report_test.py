@@ -15,9 +15,10 @@ import numpy as np
 
 import body_series
 import browser
+import fields
 import surface
 import trefoil
-from report_page import charts, fields, packing, results
+from report_page import charts, packing, results
 from report_page.body import Body
 
 THREE = "/usr/share/javascript/three/three.min.js"

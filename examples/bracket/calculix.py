@@ -1,0 +1,95 @@
+#!/usr/bin/python3
+"""The bracket in CalculiX, on the same mesh: where the reference figures of examples/bracket.yaml come
+from. Writes the deck, runs ccx on it, and prints the displacement at the tip and the reaction.
+
+    python3 examples/bracket/calculix.py [folder for the deck]
+
+C3D10 elements have Trefoil's four points of quadrature, and *ELASTIC with NLGEOM is Green's strain with
+the second Piola-Kirchhoff stress: the material `st_venant_kirchhoff`.
+Debian: calculix-ccx (2.20) python3-meshio python3-numpy
+"""
+
+import os
+import subprocess
+import sys
+import tempfile
+
+import meshio
+import numpy as np
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+TIP = (80, 25, 70)  # the shelf's front corner
+YOUNG, POISSON = 210e3, 0.3  # steel, in MPa
+DENSITY, GRAVITY = 7.85e-9, 9810  # tonnes / mm3, mm / s2
+
+
+def lines_of(numbers, width=10):
+    return "\n".join(", ".join(map(str, numbers[k:k + width])) for k in range(0, len(numbers), width))
+
+
+def deck(mesh):
+    """The text of the deck; nodes and elements are numbered from 1."""
+    cells = mesh.cells_dict["tetra10"] + 1
+    wall = np.unique(np.concatenate([block.data[mesh.cell_sets["wall"][k]].ravel()
+                                     for k, block in enumerate(mesh.cells)
+                                     if block.type == "triangle6"])) + 1
+    tip = int(np.argmin(np.linalg.norm(mesh.points - TIP, axis=1))) + 1
+    nodes = "\n".join(f"{k + 1}, {x:.12g}, {y:.12g}, {z:.12g}" for k, (x, y, z) in enumerate(mesh.points))
+    elements = "\n".join(f"{k + 1}, {lines_of(cell.tolist())}" for k, cell in enumerate(cells))
+    return f"""*NODE, NSET=ALL
+{nodes}
+*ELEMENT, TYPE=C3D10, ELSET=BODY
+{elements}
+*NSET, NSET=WALL
+{lines_of(wall.tolist())}
+*NSET, NSET=TIP
+{tip}
+*MATERIAL, NAME=STEEL
+*ELASTIC
+{YOUNG}, {POISSON}
+*DENSITY
+{DENSITY}
+*SOLID SECTION, ELSET=BODY, MATERIAL=STEEL
+*BOUNDARY
+WALL, 1, 3, 0
+*STEP, NLGEOM
+*STATIC, DIRECT
+1, 1
+*CONTROLS, PARAMETERS=FIELD
+1e-10, 1e-10
+*DLOAD
+BODY, GRAV, {GRAVITY}, 0, 0, -1
+*NODE PRINT, NSET=TIP
+U
+*NODE PRINT, NSET=WALL, TOTALS=ONLY
+RF
+*EL PRINT, ELSET=BODY, TOTALS=ONLY
+EVOL
+*END STEP
+"""
+
+
+def run(folder):
+    """What ccx prints to its .dat file."""
+    mesh = meshio.read(os.path.join(HERE, "bracket.msh"))
+    with open(os.path.join(folder, "bracket.inp"), "w", encoding="ascii") as file:
+        file.write(deck(mesh))
+    log = subprocess.run(["ccx", "-i", "bracket"], cwd=folder, capture_output=True, text=True, check=False)
+    try:
+        with open(os.path.join(folder, "bracket.dat"), encoding="ascii") as file:
+            return file.read()
+    except OSError:
+        sys.exit(log.stdout + log.stderr)
+
+
+def main():
+    if len(sys.argv) > 1:
+        os.makedirs(sys.argv[1], exist_ok=True)
+        print(run(sys.argv[1]))
+    else:
+        with tempfile.TemporaryDirectory() as folder:
+            print(run(folder))
+
+
+if __name__ == "__main__":
+    main()
