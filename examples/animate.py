@@ -75,10 +75,11 @@ class Film:
 
     def extent(self, views):
         """Low and high corner of what any step covers in the picture plane."""
-        shapes = [self.body.moved(step, self._arguments.scale)[self.body.used] for step in self.steps]
-        shapes += [self.body.rest[self.body.used]] * (len(self.steps) == 1)
-        seen = [(shape @ view.T)[:, :2] for shape in shapes for view in views]
-        return np.min([each.min(axis=0) for each in seen], axis=0), np.max([each.max(axis=0) for each in seen], axis=0)
+        shapes = [self.body.moved(step, self._arguments.scale) for step in self.steps]
+        shapes += [self.body.rest] * (len(self.steps) == 1)
+        seen = [(shape[self.body.used] @ view.T)[:, :2] for shape in shapes for view in views]
+        return (np.min([each.min(axis=0) for each in seen], axis=0),
+                np.max([each.max(axis=0) for each in seen], axis=0))
 
 
 def writer_for(path, fps):
@@ -90,7 +91,8 @@ def writer_for(path, fps):
         fail(f"cannot write {path}: its name must end in .mp4 or .gif")
     if not shutil.which("ffmpeg"):
         fail(f"cannot write {path}: apt install ffmpeg, or name a .gif")
-    return matplotlib.animation.FFMpegWriter(fps=fps, codec="libx264", extra_args=["-pix_fmt", "yuv420p", "-crf", "18"])
+    return matplotlib.animation.FFMpegWriter(fps=fps, codec="libx264",
+                                             extra_args=["-pix_fmt", "yuv420p", "-crf", "18"])
 
 
 def views_of(film, arguments):
@@ -120,7 +122,8 @@ def animate(steps, arguments):
     image = panel.imshow(np.ones((height, panel_width, 4)), aspect="auto", interpolation="none")
     words = figure.text(0.02, 0.03, "", fontsize=12, color="0.25")
     bar_of(figure, film.field, [1 - 96 / width, 0.2, 14 / width, 0.6])
-    part = f"{os.path.splitext(arguments.output)[0]}.{os.getpid()}.part{os.path.splitext(arguments.output)[1]}"
+    name, ending = os.path.splitext(arguments.output)
+    part = f"{name}.{os.getpid()}.part{ending}"
     with open(part, "wb"):  # a folder that is not there is said before the work
         pass
     try:
@@ -141,7 +144,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("xdmf", help="the file that trefoil wrote")
-    parser.add_argument("-o", "--output", help="the film (default: beside the file, .mp4 or without ffmpeg .gif)")
+    parser.add_argument("-o", "--output", help="the film (default: beside the file; without ffmpeg a .gif)")
     add_view_options(parser)
     parser.add_argument("--seconds", type=float, default=4)
     parser.add_argument("--fps", type=int, default=25, help="frames a second")
@@ -153,8 +156,9 @@ def main():
     arguments.output = arguments.output or os.path.splitext(arguments.xdmf)[0] + ending
     try:
         steps = trefoil.read_steps(arguments.xdmf)
-        arguments.field in steps[-1].fields or fail(f"{arguments.xdmf} has no field '{arguments.field}', but "
-                                                    + ", ".join(steps[-1].fields))
+        if arguments.field not in steps[-1].fields:
+            fail(f"{arguments.xdmf} has no field '{arguments.field}', but "
+                 + ", ".join(steps[-1].fields))
     except (OSError, KeyError, ValueError, AttributeError,
             xml.etree.ElementTree.ParseError) as error:
         fail(f"cannot read {arguments.xdmf}: {error}")

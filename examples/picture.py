@@ -43,7 +43,8 @@ def picture(step, arguments):
 
     # One scale for both; each panel is as wide as its body, and both are as tall as the taller.
     seen = [points[body.used] @ view.T for points in shapes]
-    low, high = (np.array([getattr(each[:, :2], side)(axis=0) for each in seen]) for side in ("min", "max"))
+    low, high = (np.array([getattr(each[:, :2], side)(axis=0) for each in seen])
+                 for side in ("min", "max"))
     size = high - low
     tall = size[:, 1].max() * 1.04
     wide = np.maximum(size[:, 0] * 1.08, 0.35 * tall)
@@ -52,13 +53,15 @@ def picture(step, arguments):
     total = np.array([widths.sum() + BAR + 2 * MARGIN, height + ROOM_ABOVE + ROOM_BELOW])
     figure = plt.figure(figsize=total)
     left = MARGIN
-    for k, (points, width, title) in enumerate(zip(shapes, widths, ("at rest", deformed_by(arguments.scale)))):
+    titles = "at rest", deformed_by(arguments.scale)
+    for k, (points, width, title) in enumerate(zip(shapes, widths, titles)):
         middle = (low[k] + high[k]) / 2
         half = np.array([wide[k], tall]) / 2
         pixels = (int(round(width * arguments.dpi)), int(round(height * arguments.dpi)))
         colours = field.colours(step) if k else lambda owner, weights: np.tile(CLAY, (len(owner), 1))
         image = body.draw(points, view, middle - half, middle + half, pixels, colours, edges)
-        panel = figure.add_axes([left / total[0], ROOM_BELOW / total[1], width / total[0], height / total[1]])
+        panel = figure.add_axes([left / total[0], ROOM_BELOW / total[1],
+                                 width / total[0], height / total[1]])
         panel.imshow(image, aspect="auto", interpolation="none")
         panel.axis("off")
         figure.text((left + width / 2) / total[0], 1 - 0.33 / total[1], title, ha="center",
@@ -85,8 +88,9 @@ def main():
     arguments.output = arguments.output or os.path.splitext(arguments.xdmf)[0] + ".png"
     try:
         step = trefoil.read_steps(arguments.xdmf)[-1]
-        arguments.field in step.fields or fail(f"{arguments.xdmf} has no field '{arguments.field}', but "
-                                               + ", ".join(step.fields))
+        if arguments.field not in step.fields:
+            fail(f"{arguments.xdmf} has no field '{arguments.field}', but "
+                 + ", ".join(step.fields))
     except (OSError, KeyError, ValueError, AttributeError,
             xml.etree.ElementTree.ParseError) as error:
         fail(f"cannot read {arguments.xdmf}: {error}")

@@ -28,13 +28,14 @@ try:
 
     import trefoil
     from fields import Units
-    from report_page import results
+    from report_page import curves, results
     from report_page.body import Body
 except ImportError as missing:
     sys.exit(f"report.py: {missing.name} is missing: apt install python3-numpy python3-h5py "
              "python3-matplotlib libjs-three, then use /usr/bin/python3")
 
 THREE = "/usr/share/javascript/three"  # of libjs-three, where --three names no other
+SCRIPTS = ("unpack.js", "body.js", "eye.js", "legend.js", "panel.js")
 MAPS = {"viridis": "viridis", "cividis": "cividis", "magma": "magma", "diverging": "RdBu_r",
         "grey": "Greys_r"}
 
@@ -84,11 +85,11 @@ def page(record, body, title, units, three):
         "notes": "".join(f"<li>{html.escape(note)}</li>" for note in body.notes),
         "results": results.results_table(record, units), "time": results.time_bars(record),
         "forces": f"<section><h2>Forces</h2>{forces}</section>" if forces else "",
-        "charts": results.step_charts(record, units) + results.convergence_charts(record),
+        "charts": curves.step_charts(record, units) + curves.convergence_charts(record),
         "tables": results.steps_table(record) + results.history_table(record),
         "run": results.what_was_run(record),
         "footer": "Made by Trefoil's examples/report.py; the body is drawn by three.js (MIT).",
-        "three": three, "viewer": read_part("viewer.js") + read_part("panel.js"),
+        "three": three, "viewer": "".join(map(read_part, SCRIPTS)),
         **viewer_parts(body)})
 
 

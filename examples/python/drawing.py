@@ -19,11 +19,16 @@ def fail(sentence):
 
 def add_view_options(parser):
     parser.add_argument("--field", default="displacement", help="what the colours show")
-    parser.add_argument("--component", help="of a vector or tensor, such as x or yz (default: its magnitude)")
-    parser.add_argument("--range", help="the colours' ends, such as 0,2e6 (default: all but extreme cells)")
-    parser.add_argument("--scale", type=float, default=1, help="displacements are drawn so many times as large")
-    parser.add_argument("--azimuth", type=float, help="of the eye, degrees from x (default -60; a flat body -90)")
-    parser.add_argument("--elevation", type=float, help="of the eye, degrees (default 25; a flat body 90)")
+    parser.add_argument("--component",
+                        help="of a vector or tensor, such as x or yz (default: its magnitude)")
+    parser.add_argument("--range",
+                        help="the colours' ends, such as 0,2e6 (default: all but extreme cells)")
+    parser.add_argument("--scale", type=float, default=1,
+                        help="displacements are drawn so many times as large")
+    parser.add_argument("--azimuth", type=float,
+                        help="of the eye, degrees from x (default -60; a flat body -90)")
+    parser.add_argument("--elevation", type=float,
+                        help="of the eye, degrees (default 25; a flat body 90)")
     parser.add_argument("--colours", default="viridis", help="a colour map of matplotlib")
     parser.add_argument("--units", help="of length and force, such as 'mm, N'")
     parser.add_argument("--edges", action=argparse.BooleanOptionalAction,
@@ -94,7 +99,8 @@ class FieldOfBody:
             if len(values):
                 ends += [values.min(), values.max()]
                 # A few extreme cells do not decide the scale.
-                most += [values.min(), values.max()] if self._on_vertices else np.percentile(values, [1, 99]).tolist()
+                most += ([values.min(), values.max()] if self._on_vertices
+                         else np.percentile(values, [1, 99]).tolist())
         if not ends:
             raise ValueError(f"{self._name} has no finite value")
         if given:

@@ -14,5 +14,6 @@ def load_steps(record):
 
 def final_energies(record):
     """For every load step the energy that it ended with."""
-    history, steps = record["history"], load_steps(record)
-    return [history[end - 1]["energy"] for _, end in steps[:-1]] + [record["result"]["energy"]] * bool(steps)
+    ends = [end for _, end in load_steps(record)]
+    return [record["result"]["energy"] if end == len(record["history"])
+            else record["history"][end - 1]["energy"] for end in ends]

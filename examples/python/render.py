@@ -78,7 +78,7 @@ def _nearest(places, width, height):
     high = np.clip(np.ceil(places[:, :, :2].max(axis=1)), 0, size).astype(int)
     extent = (high - low).max(axis=1)
     inside = (area != 0) & (high > low).all(axis=1)
-    for span in 2 ** np.arange(1, 2 + int(np.log2(size.max()))):  # triangles of about one size at a time, side by side
+    for span in 2 ** np.arange(1, 2 + int(np.log2(size.max()))):  # those of about one size together
         chosen = np.flatnonzero(inside & (extent <= span) & (extent > span // 2 * (span > 2)))
         for part in np.array_split(chosen, max(1, len(chosen) * span * span // 2_000_000)):
             if len(part):
@@ -93,11 +93,11 @@ def _paint(places, area, numbers, low, span, width, height, which, nearness, wei
     y = low[:, 1, None, None] + np.arange(span)[None, :, None]
     corners = places[:, :, :, None, None]
     parts = []
-    for k in range(3):  # twice the areas opposite to each corner, at the middle of a sample
-        (px, py), (qx, qy) = corners[:, (k + 1) % 3, :2].swapaxes(0, 1), corners[:, (k + 2) % 3, :2].swapaxes(0, 1)
-        parts.append(((px - x - 0.5) * (qy - y - 0.5) - (qx - x - 0.5) * (py - y - 0.5))
-                     / area[:, None, None])
-    hit = (np.minimum(np.minimum(parts[0], parts[1]), parts[2]) >= 0) & (x >= 0) & (x < width) & (y >= 0) & (y < height)
+    for k in range(3):  # shares of the corners at the middle of a sample, by the areas opposite to them
+        p, q = corners[:, (k + 1) % 3], corners[:, (k + 2) % 3]
+        parts.append(((p[:, 0] - x - 0.5) * (q[:, 1] - y - 0.5)
+                      - (q[:, 0] - x - 0.5) * (p[:, 1] - y - 0.5)) / area[:, None, None])
+    hit = (parts[0] >= 0) & (parts[1] >= 0) & (parts[2] >= 0) & (x < width) & (y < height)
     triangle, row, column = np.nonzero(hit)
     share = np.stack([part[hit] for part in parts], axis=1)
     depth = np.einsum("ij,ij->i", share, places[triangle, :, 2])

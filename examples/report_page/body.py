@@ -73,7 +73,7 @@ class Body:
             cells, edges = cells[stay], np.zeros((0, 2), dtype=int)
         self._triangle_count = len(triangles)
         inside = {step: self._inverted_edges(step) for step in plan.steps}
-        vertices = np.unique(np.concatenate([triangles.ravel(), *(each.ravel() for each in inside.values())]))
+        vertices = np.unique(np.concatenate([triangles.ravel(), *map(np.ravel, inside.values())]))
         place = np.zeros(len(self._points), dtype=np.int64)
         place[vertices] = np.arange(len(vertices))
         shown, cell_of = np.unique(cells, return_inverse=True)

@@ -73,7 +73,8 @@ class Axis:
 
 def _mark(shape, x, y):
     """The path of a marker."""
-    return {"v": f"M{x - 4.5:.1f} {y - 3.6:.1f}h9l-4.5 8z", "s": f"M{x - 3.6:.1f} {y - 3.6:.1f}h7.2v7.2h-7.2z",
+    return {"v": f"M{x - 4.5:.1f} {y - 3.6:.1f}h9l-4.5 8z",
+            "s": f"M{x - 3.6:.1f} {y - 3.6:.1f}h7.2v7.2h-7.2z",
             "d": f"M{x:.1f} {y - 4.8:.1f}l4.8 4.8l-4.8 4.8l-4.8 -4.8z"}.get(
         shape, f"M{x - 3.6:.1f} {y:.1f}a3.6 3.6 0 1 0 7.2 0a3.6 3.6 0 1 0 -7.2 0z")
 
