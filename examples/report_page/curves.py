@@ -21,9 +21,9 @@ def convergence_charts(record):
 
 
 def _hints(record):
-    return [f"iteration {entry['k']}: energy {short(entry['energy'])}, decrement "
-            f"{short(entry['decrement'] or 0)}, w = {entry['weight']:g}, step {entry['step']:.3g}"
-            if entry.get("energy") is not None else f"iteration {entry['k']}"
+    keys = ("energy", "decrement", "weight", "step")
+    return [f"iteration {entry['k']}: " + ", ".join(f"{key} {short(entry[key])}" for key in keys
+                                                    if entry.get(key) is not None)
             for entry in record["history"]]
 
 

@@ -5,6 +5,9 @@ function showShape() {
   const inverted = picture.arrays["inside" + state.step].length > 0;
   picture.inside.visible = inverted && element("show_inverted").checked;
   element("scale").value = plainNumber(state.scale);
+  const factor = state.amount * state.scale;
+  element("drawn_scale").textContent = factor === 1 ? "" : factor === 0 ? "drawn at rest"
+    : `displacements × ${shortNumber(factor)}`;
   eye.draw();
 }
 

@@ -219,6 +219,10 @@ class Page(unittest.TestCase):
 
             def act(page):
                 self.assertGreater(page.evaluate(LOOK)["signal"], 20, "inverted elements are not marked")
+                page.evaluate("setScale(3)")
+                self.assertEqual(page.evaluate("element('drawn_scale').textContent"), "displacements × 3")
+                page.evaluate("setScale(1)")
+                self.assertEqual(page.evaluate("element('drawn_scale').textContent"), "")
                 page.evaluate("element('show_inverted').click()")
                 self.assertEqual(page.evaluate(LOOK)["signal"], 0)
                 page.evaluate("element('show_inverted').click()")
