@@ -16,8 +16,8 @@
 // written once, for numbers and for packs of eight: + - * /, sqrt, log, abs and select() serve
 // both. Compiled with -march=native they use what the machine has.
 
-#include "material/material_registry.hpp"
-#include "material/volume_term.hpp"
+#include "trefoil/material_registry.hpp"
+#include "trefoil/volume_term.hpp"
 
 class Mine {
  public:

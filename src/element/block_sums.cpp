@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <tuple>
 
+#include "simd/instruction_set.hpp"
 #include "support/petsc_compatibility.hpp"
 
 namespace trefoil {

@@ -103,7 +103,7 @@ struct Kernels {
       material.energy_densities(F, psi);
       const Real density = Real::load(psi);
       energy += density * weight;
-      scale += (density - Real(rest_density)).absolute() * weight;
+      scale += abs(density - rest_density) * weight;
     });
     sums[0] += energy.sum();
     sums[1] += scale.sum();

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "simd/pack.hpp"
+#include "trefoil/pack.hpp"
 
 namespace trefoil {
 

@@ -5,6 +5,7 @@
 
 #include "element/isoparametric_element.hpp"
 #include "mesh/mesh.hpp"
+#include "simd/instruction_set.hpp"
 
 namespace trefoil {
 namespace {

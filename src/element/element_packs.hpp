@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "element/reference_element.hpp"
-#include "material/material_model.hpp"
+#include "trefoil/material_model.hpp"
 
 namespace trefoil {
 

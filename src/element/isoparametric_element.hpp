@@ -1,7 +1,7 @@
 #pragma once
 
 #include "element/reference_element.hpp"
-#include "material/matrix3.hpp"
+#include "trefoil/matrix3.hpp"
 
 namespace trefoil {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "material/matrix3.hpp"
+#include "trefoil/matrix3.hpp"
 
 namespace trefoil {
 

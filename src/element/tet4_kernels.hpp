@@ -52,7 +52,7 @@ void packed_energy(const MaterialModel &material, const Tet4Packs &tets, PetscIn
     material.energy_densities(tet.F, psi);
     const Pack<isa> density = Pack<isa>::load(psi);
     energy += density * tet.volume;
-    scale += (density - Pack<isa>(rest_density)).absolute() * tet.volume;
+    scale += abs(density - rest_density) * tet.volume;
   }
   sums[0] += energy.sum();
   sums[1] += scale.sum();

@@ -5,6 +5,7 @@
 
 #include "element/tet4.hpp"
 #include "mesh/mesh.hpp"
+#include "simd/instruction_set.hpp"
 
 namespace trefoil {
 

@@ -4,7 +4,8 @@
 
 #include <vector>
 
-#include "material/material_model.hpp"
+#include "filter/reduced_filter.hpp"
+#include "trefoil/material_model.hpp"
 
 namespace trefoil {
 

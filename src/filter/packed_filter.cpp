@@ -32,7 +32,7 @@ SplitResult split_packed(int n, int packs, const double *K, double *N, int *nega
 
 SplitResult split_packed(int n, int packs, const double *K, double *N, int *negative) noexcept {
   ReducedSplitExperiment experiment;
-  experiment.instructions = filter_instruction_set();
+  experiment.instructions = chosen_instruction_set();
   return split_packed(n, packs, K, N, negative, experiment);
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "filter/filter.hpp"
+#include "simd/instruction_set.hpp"
 
 namespace trefoil {
 
@@ -10,7 +11,6 @@ namespace trefoil {
 /// vectors over two (times I3) as an orthonormal basis it is exactly a 9x9 matrix K, and its
 /// negative part is that of K.
 inline constexpr int reduced_rows = 9;
-inline constexpr int reduced_lanes = 8;     ///< matrices of a pack
 inline constexpr int reduced_entries = 45;  ///< lower triangle: (0,0), (1,0), (1,1), (2,0), ...
 
 /// Negative parts N of packs of eight symmetric 9x9 matrices K.
@@ -29,24 +29,6 @@ inline constexpr int reduced_entries = 45;  ///< lower triangle: (0,0), (1,0), (
 /// @param negative  8 packs: number of negative eigenvalues; -1: the matrix is not finite
 [[nodiscard]] SplitResult split_reduced(int packs, const double *K, double *N,
                                         int *negative) noexcept;
-
-/// What split_reduced() chooses by itself: the best that the processor has. The environment
-/// variable TREFOIL_SIMD = avx2 or baseline, read once, holds it back.
-enum class InstructionSet { baseline, avx2, avx512 };
-[[nodiscard]] bool processor_has(InstructionSet instructions) noexcept;
-[[nodiscard]] InstructionSet filter_instruction_set() noexcept;
-
-/// make.operator()<isa>() for an instruction set that is known at run time only.
-template <class Make>
-auto for_instruction_set(InstructionSet instructions, const Make &make) {
-#if defined(__x86_64__)
-  if (instructions == InstructionSet::avx512) {
-    return make.template operator()<InstructionSet::avx512>();
-  }
-  if (instructions == InstructionSet::avx2) return make.template operator()<InstructionSet::avx2>();
-#endif
-  return make.template operator()<InstructionSet::baseline>();
-}
 
 /// For tests and benchmarks: split_reduced() by one instruction set, which the processor must have.
 struct ReducedSplitExperiment {

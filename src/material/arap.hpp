@@ -1,7 +1,8 @@
 #pragma once
 
-#include "material/material.hpp"
-#include "material/volume_term.hpp"
+#include "material/library_material.hpp"
+#include "trefoil/material.hpp"
+#include "trefoil/volume_term.hpp"
 
 namespace trefoil {
 
@@ -13,7 +14,7 @@ namespace trefoil {
 ///
 /// Where the two smallest stretches of an inverted F add up to zero, R jumps: psi is continuous and
 /// has a kink there. Below least_stretch_sum the tangent is kept from growing any further.
-class Arap {
+class Arap : public LibraryMaterial<Arap> {
  public:
   static constexpr const char *name = "arap";
   static constexpr bool has_volume_term = true;

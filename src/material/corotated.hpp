@@ -1,7 +1,8 @@
 #pragma once
 
-#include "material/material.hpp"
-#include "material/tangent_terms.hpp"
+#include "material/library_material.hpp"
+#include "trefoil/material.hpp"
+#include "trefoil/tangent_terms.hpp"
 
 namespace trefoil {
 
@@ -9,7 +10,7 @@ namespace trefoil {
 ///   psi(F) = mu (F - R):(F - R) + lambda/2 (R:F - 3)^2,
 /// R the proper rotation of F (see rotation_of()), with Lame's mu and lambda, so that small strains
 /// obey E and nu. Finite for every F, and an inverted element costs little. Of R's jumps see Arap.
-class Corotated {
+class Corotated : public LibraryMaterial<Corotated> {
  public:
   static constexpr const char *name = "corotated";
 

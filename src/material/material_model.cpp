@@ -1,28 +1,33 @@
-#include "material/material_model.hpp"
+#include "trefoil/material_model.hpp"
 
-#include <cstdlib>
-#include <cstring>
-#include <utility>
+#include <algorithm>
 
 namespace trefoil {
+namespace {
 
-MaterialModel::~MaterialModel() = default;
-
-InstructionSet chosen_instruction_set() {
-  static const InstructionSet chosen = [] {
-    const char *wish = std::getenv("TREFOIL_SIMD");
-    for (const auto &[set, name] :
-         {std::pair{InstructionSet::avx512, "avx512"}, std::pair{InstructionSet::avx2, "avx2"}}) {
-      if (processor_has(set) && (!wish || std::strcmp(wish, name) == 0)) return set;
-    }
-    return InstructionSet::baseline;
-  }();
-  return chosen;
+/// The result of a packed function for one deformation gradient, which all lanes share.
+template <std::size_t size, class Function>
+std::array<double, size> in_one_lane(const Matrix3<double> &F, const Function &function) {
+  alignas(64) double copies[9 * lanes], results[size * lanes];
+  for (std::size_t k = 0; k < 9; ++k) std::fill_n(copies + lanes * k, lanes, F.entries[k]);
+  function(copies, results);
+  std::array<double, size> result;
+  for (std::size_t k = 0; k < size; ++k) result[k] = results[lanes * k];
+  return result;
 }
 
-const PackedFunctions *find_packed_functions_table(InstructionSet instructions) {
-  return for_instruction_set(instructions,
-                             []<InstructionSet isa>() { return packed_functions_table<isa>(); });
+}  // namespace
+
+double MaterialModel::energy_density(const Matrix3<double> &F) const {
+  return in_one_lane<1>(F, [this](const double *in, double *psi) { energy_densities(in, psi); })[0];
+}
+
+Matrix3<double> MaterialModel::stress(const Matrix3<double> &F) const {
+  return {in_one_lane<9>(F, [this](const double *in, double *P) { stresses(in, P); })};
+}
+
+void MaterialModel::tangent(const Matrix3<double> &F, Tangent<double> &A) const {
+  A = in_one_lane<81>(F, [this](const double *in, double *out) { tangents(in, out); });
 }
 
 }  // namespace trefoil

@@ -1,9 +1,11 @@
-#include "material/material_registry.hpp"
+#include "trefoil/material_registry.hpp"
 
 #include <algorithm>
 #include <sstream>
 #include <tuple>
 #include <utility>
+
+#include "material/material_list.hpp"
 
 namespace trefoil {
 namespace {

@@ -6,37 +6,20 @@
 namespace trefoil {
 namespace {
 
-/// The material of a pack whose lanes have several. Only its packed functions are ever called; its
-/// energy density is counted from each lane's own rest density.
-class MixedMaterial final : public MaterialModel {
- public:
+/// The material of a pack whose lanes have several. Its energy density is counted from each lane's
+/// own rest density.
+struct MixedMaterial {
   struct Part {
     const MaterialModel *material = nullptr;
     double rest_density = 0;
     std::array<bool, lanes> owns{};  ///< which lanes are of this material
   };
-
-  explicit MixedMaterial(std::vector<Part> parts)
-      : MaterialModel({energy_density_of_lanes, stress_of_lanes, tangent_of_lanes}),
-        parts_(std::move(parts)) {}
-
-  [[nodiscard]] double energy_density(const Matrix3<double> &F) const override {
-    return parts_.front().material->energy_density(F);
-  }
-  [[nodiscard]] Matrix3<double> stress(const Matrix3<double> &F) const override {
-    return parts_.front().material->stress(F);
-  }
-  void tangent(const Matrix3<double> &F, Tangent<double> &A) const override {
-    parts_.front().material->tangent(F, A);
-  }
-
- private:
-  [[nodiscard]] const void *data() const override { return this; }
+  std::vector<Part> parts;
 
   /// Evaluates each part for all lanes and keeps its own: result[k * lanes + lane].
   template <std::size_t size, class Evaluate>
   static void collect(const void *mixed, double *result, Evaluate evaluate) {
-    for (const Part &part : static_cast<const MixedMaterial *>(mixed)->parts_) {
+    for (const Part &part : static_cast<const MixedMaterial *>(mixed)->parts) {
       alignas(64) double values[size * lanes];
       evaluate(part, values);
       for (std::size_t lane = 0; lane < lanes; ++lane) {
@@ -46,23 +29,28 @@ class MixedMaterial final : public MaterialModel {
       }
     }
   }
-  static void energy_density_of_lanes(const void *mixed, const double *F, double *psi) {
+  static void energy_densities(const void *mixed, const double *F, double *psi) {
     collect<1>(mixed, psi, [F](const Part &part, double *values) {
       part.material->energy_densities(F, values);
       for (int lane = 0; lane < lanes; ++lane) values[lane] -= part.rest_density;
     });
   }
-  static void stress_of_lanes(const void *mixed, const double *F, double *P) {
+  static void stresses(const void *mixed, const double *F, double *P) {
     collect<9>(mixed, P,
                [F](const Part &part, double *values) { part.material->stresses(F, values); });
   }
-  static void tangent_of_lanes(const void *mixed, const double *F, double *A) {
+  static void tangents(const void *mixed, const double *F, double *A) {
     collect<81>(mixed, A,
                 [F](const Part &part, double *values) { part.material->tangents(F, values); });
   }
-
-  std::vector<Part> parts_;
 };
+
+std::unique_ptr<MaterialModel> make_mixed_model(std::vector<MixedMaterial::Part> parts) {
+  return std::make_unique<MaterialModel>(
+      PackedFunctions{MixedMaterial::energy_densities, MixedMaterial::stresses,
+                      MixedMaterial::tangents},
+      std::make_shared<MixedMaterial>(MixedMaterial{std::move(parts)}));
+}
 
 }  // namespace
 
@@ -118,7 +106,7 @@ void MaterialRuns::make_runs() {
       part->owns[static_cast<std::size_t>(lane)] = true;
     }
     if (parts.size() > 1) {
-      mixed_.push_back(std::make_unique<MixedMaterial>(std::move(parts)));
+      mixed_.push_back(make_mixed_model(std::move(parts)));
       runs_.push_back({pack, 1, mixed_.back().get(), 0, true});
     } else if (!runs_.empty() && runs_.back().material == parts[0].material) {
       ++runs_.back().count;

@@ -7,7 +7,7 @@
 #include <memory>
 #include <vector>
 
-#include "material/material_model.hpp"
+#include "trefoil/material_model.hpp"
 
 namespace trefoil {
 

@@ -1,7 +1,8 @@
 #pragma once
 
-#include "material/material.hpp"
-#include "material/volume_term.hpp"
+#include "material/library_material.hpp"
+#include "trefoil/material.hpp"
+#include "trefoil/volume_term.hpp"
 
 namespace trefoil {
 
@@ -14,7 +15,7 @@ namespace trefoil {
 /// Small strains obey mu = 2 (c1 + c2) and lambda = kappa - 2 c1. So c2 = s mu/2 and
 /// c1 = (1 - s) mu/2 with s = MaterialParameters::second_invariant, 1/2 unless it is given, and
 /// kappa = lambda + 2 c1 unless it is given.
-class MooneyRivlin {
+class MooneyRivlin : public LibraryMaterial<MooneyRivlin> {
  public:
   static constexpr const char *name = "mooney_rivlin";
   static constexpr bool has_volume_term = true;

@@ -2,8 +2,9 @@
 
 #include <limits>
 
-#include "material/material.hpp"
-#include "material/tangent_terms.hpp"
+#include "material/library_material.hpp"
+#include "trefoil/material.hpp"
+#include "trefoil/tangent_terms.hpp"
 
 namespace trefoil {
 
@@ -12,7 +13,7 @@ namespace trefoil {
 ///   psi(F) = mu/2 (F:F - 3) - mu log J + lambda/2 (log J)^2,   J = det F,
 /// with Lame's mu and lambda, so that small strains obey E and nu. psi is +infinity at J <= 0,
 /// where stress and tangent mean nothing.
-class NeoHookean {
+class NeoHookean : public LibraryMaterial<NeoHookean> {
  public:
   static constexpr const char *name = "neo_hookean";
 

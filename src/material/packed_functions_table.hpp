@@ -2,7 +2,8 @@
 
 // Included only by the files that are compiled for one instruction set each.
 
-#include "material/packed_functions.hpp"
+#include "material/library_material.hpp"
+#include "material/material_list.hpp"
 
 namespace trefoil {
 namespace {

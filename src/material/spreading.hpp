@@ -1,7 +1,8 @@
 #pragma once
 
-#include "material/material.hpp"
-#include "material/polar.hpp"
+#include "material/library_material.hpp"
+#include "trefoil/material.hpp"
+#include "trefoil/polar.hpp"
 
 namespace trefoil {
 
@@ -9,7 +10,7 @@ namespace trefoil {
 // k I, the second one at fixed rotations: local/global steps need no other.
 
 /// psi = k/2 |F - I|^2: its minimum is the harmonic extension of the prescribed displacement.
-class HarmonicSpreading {
+class HarmonicSpreading : public LibraryMaterial<HarmonicSpreading> {
  public:
   explicit HarmonicSpreading(double stiffness) : stiffness_(stiffness) {}
 
@@ -38,7 +39,7 @@ class HarmonicSpreading {
 
 /// psi = k/2 |F - R|^2, R the rotation nearest to F: as rigid as possible (Sorkine and Alexa 2007,
 /// "As-rigid-as-possible surface modeling").
-class RigidSpreading {
+class RigidSpreading : public LibraryMaterial<RigidSpreading> {
  public:
   explicit RigidSpreading(double stiffness) : stiffness_(stiffness) {}
 

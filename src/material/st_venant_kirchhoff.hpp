@@ -1,7 +1,8 @@
 #pragma once
 
-#include "material/material.hpp"
-#include "material/tangent_terms.hpp"
+#include "material/library_material.hpp"
+#include "trefoil/material.hpp"
+#include "trefoil/tangent_terms.hpp"
 
 namespace trefoil {
 
@@ -9,7 +10,7 @@ namespace trefoil {
 ///   psi(F) = mu E:E + lambda/2 (tr E)^2,
 /// with Lame's mu and lambda, so that small strains obey E and nu. Finite for every F; it does not
 /// resist strong compression.
-class StVenantKirchhoff {
+class StVenantKirchhoff : public LibraryMaterial<StVenantKirchhoff> {
  public:
   static constexpr const char *name = "st_venant_kirchhoff";
 

@@ -1,7 +1,8 @@
 #pragma once
 
-#include "material/material.hpp"
-#include "material/tangent_terms.hpp"
+#include "material/library_material.hpp"
+#include "trefoil/material.hpp"
+#include "trefoil/tangent_terms.hpp"
 
 namespace trefoil {
 
@@ -9,7 +10,7 @@ namespace trefoil {
 /// Neo-Hookean flesh simulation", equation 13 less its regularised origin barrier):
 ///   psi(F) = mu/2 (F:F - 3) + lambda/2 (J - alpha)^2,   J = det F,  alpha = 1 + mu/lambda.
 /// Finite for every F, inverted ones included. At rest psi(I) = mu^2 / (2 lambda), P(I) = 0.
-class StableNeoHookean {
+class StableNeoHookean : public LibraryMaterial<StableNeoHookean> {
  public:
   static constexpr const char *name = "stable_neo_hookean";
   static constexpr bool has_raw_constants = true;

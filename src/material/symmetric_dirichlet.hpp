@@ -2,8 +2,9 @@
 
 #include <limits>
 
-#include "material/material.hpp"
-#include "material/volume_term.hpp"
+#include "material/library_material.hpp"
+#include "trefoil/material.hpp"
+#include "trefoil/volume_term.hpp"
 
 namespace trefoil {
 
@@ -13,7 +14,7 @@ namespace trefoil {
 /// psi is +infinity at J <= 0, where stress and tangent mean nothing.
 ///
 /// Small strains obey Lame's mu, and lambda = kappa: kappa is Lame's lambda unless it is given.
-class SymmetricDirichlet {
+class SymmetricDirichlet : public LibraryMaterial<SymmetricDirichlet> {
  public:
   static constexpr const char *name = "symmetric_dirichlet";
   static constexpr bool has_volume_term = true;

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "mesh/cell_shape.hpp"
-#include "support/input_error.hpp"
+#include "trefoil/input_error.hpp"
 
 namespace trefoil {
 

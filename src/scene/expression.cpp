@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "support/input_error.hpp"
+#include "trefoil/input_error.hpp"
 
 namespace trefoil {
 namespace {

@@ -8,8 +8,8 @@
 #include "mesh/boundary.hpp"
 #include "scene/expression.hpp"
 #include "support/collective_error.hpp"
-#include "support/input_error.hpp"
 #include "support/petsc_compatibility.hpp"
+#include "trefoil/input_error.hpp"
 
 namespace trefoil {
 namespace {

@@ -5,8 +5,8 @@
 #include <memory>
 #include <string>
 
-#include "material/material_registry.hpp"
 #include "scene/option_reader.hpp"
+#include "trefoil/material_registry.hpp"
 
 namespace trefoil {
 

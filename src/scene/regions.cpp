@@ -7,8 +7,8 @@
 
 #include "scene/expression.hpp"
 #include "support/collective_error.hpp"
-#include "support/input_error.hpp"
 #include "support/petsc_compatibility.hpp"
+#include "trefoil/input_error.hpp"
 
 namespace trefoil {
 namespace {

@@ -1,5 +1,6 @@
 #include <petsc/private/petscimpl.h>
 
+#include "simd/instruction_set.hpp"
 #include "snes/solve_context.hpp"
 #include "support/petsc_compatibility.hpp"
 
@@ -21,6 +22,8 @@ PetscErrorCode TrefoilInitializePackage(void) {
   PetscClassId id = 0;
   PetscFunctionBegin;
   if (registered) PetscFunctionReturn(PETSC_SUCCESS);
+  const std::string wrong = trefoil::instruction_set_error();
+  PetscCheck(wrong.empty(), PETSC_COMM_SELF, PETSC_ERR_USER_INPUT, "%s", wrong.c_str());
   registered = true;
   PetscCall(SNESRegister(SNESTREFOIL, SNESCreate_Trefoil));
   PetscCall(SNESLineSearchRegister(SNESLINESEARCHTREFOIL, SNESLineSearchCreate_Trefoil));

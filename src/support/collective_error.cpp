@@ -2,8 +2,8 @@
 
 #include <new>
 
-#include "support/input_error.hpp"
 #include "support/petsc_compatibility.hpp"
+#include "trefoil/input_error.hpp"
 
 namespace trefoil {
 

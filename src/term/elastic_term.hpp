@@ -5,6 +5,7 @@
 #include "element/tet4.hpp"
 #include "element/tet4_packs.hpp"
 #include "material/material_runs.hpp"
+#include "material/spreading.hpp"
 #include "mesh/mesh.hpp"
 #include "support/petsc_compatibility.hpp"
 #include "term/term.hpp"

@@ -3,6 +3,7 @@
 #include <petscsys.h>
 
 #include "element/element_packs.hpp"
+#include "filter/filter.hpp"
 
 namespace trefoil {
 

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "material/material_model.hpp"
-#include "material/matrix3.hpp"
+#include "trefoil/material_model.hpp"
+#include "trefoil/matrix3.hpp"
 
 namespace trefoil::accuracy {
 

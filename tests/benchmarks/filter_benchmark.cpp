@@ -18,7 +18,7 @@ namespace {
 
 using namespace reduced_matrices;
 
-constexpr int packs = 64, matrices = packs * reduced_lanes;
+constexpr int packs = 64, matrices = packs * lanes;
 
 int negative_eigenvalues(const Matrix &A) {
   Matrix N;
@@ -56,7 +56,7 @@ void plain(benchmark::State &state) {
   report(state);
 }
 
-void lanes(benchmark::State &state, InstructionSet instructions) {
+void split_lanes(benchmark::State &state, InstructionSet instructions) {
   if (!processor_has(instructions)) {
     state.SkipWithError("not on this processor");
     return;
@@ -78,9 +78,9 @@ void cases(benchmark::internal::Benchmark *benchmark) {
 }
 
 BENCHMARK(plain)->Apply(cases);
-BENCHMARK_CAPTURE(lanes, baseline, InstructionSet::baseline)->Apply(cases);
-BENCHMARK_CAPTURE(lanes, avx2, InstructionSet::avx2)->Apply(cases);
-BENCHMARK_CAPTURE(lanes, avx512, InstructionSet::avx512)->Apply(cases);
+BENCHMARK_CAPTURE(split_lanes, baseline, InstructionSet::baseline)->Apply(cases);
+BENCHMARK_CAPTURE(split_lanes, avx2, InstructionSet::avx2)->Apply(cases);
+BENCHMARK_CAPTURE(split_lanes, avx512, InstructionSet::avx512)->Apply(cases);
 
 }  // namespace
 }  // namespace trefoil

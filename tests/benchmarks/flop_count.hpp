@@ -4,7 +4,7 @@
 // with numbers that count; the others follow from the loops in src/element and src/filter.
 
 #include "filter/reduced_filter.hpp"
-#include "material/material.hpp"
+#include "trefoil/material.hpp"
 
 namespace trefoil {
 

@@ -8,7 +8,7 @@
 #include <cstdio>
 #include <random>
 
-#include "material/material_registry.hpp"
+#include "trefoil/material_registry.hpp"
 
 namespace {
 

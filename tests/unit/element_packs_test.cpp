@@ -13,6 +13,7 @@
 #include "element/tet4.hpp"
 #include "material/stable_neo_hookean.hpp"
 #include "mesh/mesh.hpp"
+#include "simd/instruction_set.hpp"
 
 namespace trefoil {
 namespace {

@@ -10,8 +10,8 @@
 
 #include "../../examples/own_material/own_material.cpp"  // a user's passes the same tests
 #include "material/material_list.hpp"
-#include "material/polar.hpp"
 #include "matrix3_support.hpp"
+#include "trefoil/polar.hpp"
 
 namespace trefoil::test {
 

@@ -5,8 +5,9 @@
 
 #include <algorithm>
 
-#include "material/material_registry.hpp"
 #include "material_cases.hpp"
+#include "simd/instruction_set.hpp"
+#include "trefoil/material_registry.hpp"
 
 namespace trefoil::test {
 namespace {

@@ -7,12 +7,12 @@
 
 #include "element/isoparametric_element.hpp"
 #include "filter/reduced_filter.hpp"
-#include "material/material_registry.hpp"
 #include "matrix3_support.hpp"
 #include "mesh/generate.hpp"
 #include "mesh/quadratic.hpp"
 #include "term/elastic_term.hpp"
 #include "term/element_term.hpp"
+#include "trefoil/material_registry.hpp"
 
 namespace trefoil::test {
 namespace {

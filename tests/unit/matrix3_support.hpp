@@ -9,7 +9,7 @@
 #include <functional>
 #include <random>
 
-#include "material/material.hpp"
+#include "trefoil/material.hpp"
 
 namespace trefoil::test {
 

@@ -1,7 +1,7 @@
 // The polar decomposition against LAPACK and its own definition, on matrices that are singular,
 // inverted, nearly so, or have repeated singular values; alone and in packs.
 
-#include "material/polar.hpp"
+#include "trefoil/polar.hpp"
 
 #include <gtest/gtest.h>
 

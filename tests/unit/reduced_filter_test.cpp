@@ -276,8 +276,8 @@ struct Parts {
 
 Parts split_packs(const std::vector<double> &K, InstructionSet instructions,
                   bool distrust = false) {
-  const int packs = static_cast<int>(K.size()) / (reduced_entries * reduced_lanes);
-  Parts parts{std::vector<double>(K.size(), 7.0), std::vector<int>(packs * reduced_lanes, -7), {}};
+  const int packs = static_cast<int>(K.size()) / (reduced_entries * lanes);
+  Parts parts{std::vector<double>(K.size(), 7.0), std::vector<int>(packs * lanes, -7), {}};
   ReducedSplitExperiment experiment{instructions, distrust};
   parts.result = split_reduced(packs, K.data(), parts.N.data(), parts.negative.data(), experiment);
   parts.fallbacks = experiment.fallbacks;
@@ -286,7 +286,7 @@ Parts split_packs(const std::vector<double> &K, InstructionSet instructions,
 
 double packed_entry(const std::vector<double> &N, std::size_t matrix, int i, int j) {
   const int e = std::max(i, j) * (std::max(i, j) + 1) / 2 + std::min(i, j);
-  return N[(matrix / reduced_lanes * reduced_entries + e) * reduced_lanes + matrix % reduced_lanes];
+  return N[(matrix / lanes * reduced_entries + e) * lanes + matrix % lanes];
 }
 
 /// At most ||A||.
@@ -319,7 +319,7 @@ TEST_P(ReducedFilter, AgreesWithSplit) {
   const int packs = kind.packs * (TREFOIL_REDUCED_TEST_PERCENT) / 100 + 1;
   for (int done = 0, stretch; done < packs; done += stretch) {
     stretch = std::min(500, packs - done);
-    std::vector<Matrix> A(stretch * reduced_lanes), expected(A.size());
+    std::vector<Matrix> A(stretch * lanes), expected(A.size());
     for (Matrix &a : A) a = kind.make(random);
     std::vector<int> count(A.size());
     const SplitResult result =
@@ -408,12 +408,12 @@ TEST_P(ReducedFilterBy, NeighboursDoNotMatter) {
   }
   for (std::size_t m = 0; m < A.size(); ++m) {
     // Alone among zeros, so that a group has one member.
-    std::vector<Matrix> alone(reduced_lanes);
-    alone[m % reduced_lanes] = A[m];
+    std::vector<Matrix> alone(lanes);
+    alone[m % lanes] = A[m];
     const Parts parts = split_packs(packed(alone), GetParam());
-    ASSERT_EQ(parts.negative[m % reduced_lanes], together.negative[m]);
+    ASSERT_EQ(parts.negative[m % lanes], together.negative[m]);
     for (int e = 0; e < n * n; ++e) {
-      ASSERT_EQ(packed_entry(parts.N, m % reduced_lanes, e / n, e % n),
+      ASSERT_EQ(packed_entry(parts.N, m % lanes, e / n, e % n),
                 packed_entry(together.N, m, e / n, e % n));
     }
   }
@@ -472,7 +472,7 @@ TEST_P(ReducedFilterBy, DistrustSendsIndefiniteMatricesToSplit) {
 TEST_P(ReducedFilterBy, NonFiniteMatricesAreReportedAndNeighboursAreRight) {
   Random random(6);
   for (bool all_indefinite : {true, false}) {
-    std::vector<Matrix> A(3 * reduced_lanes);
+    std::vector<Matrix> A(3 * lanes);
     for (Matrix &a : A) a = all_indefinite ? random_symmetric(random) : calm_element(random);
     const std::vector<double> good = packed(A);
     const Parts expected = split_packs(good, GetParam());
@@ -482,8 +482,7 @@ TEST_P(ReducedFilterBy, NonFiniteMatricesAreReportedAndNeighboursAreRight) {
         std::vector<double> K = good;
         K[at] = K.back() = poison;  // a second one: the first is the one named
         const std::size_t last = A.size() - 1;
-        const std::size_t bad =
-            at / (reduced_entries * reduced_lanes) * reduced_lanes + at % reduced_lanes;
+        const std::size_t bad = at / (reduced_entries * lanes) * lanes + at % lanes;
         const Parts parts = split_packs(K, GetParam());
         ASSERT_EQ(parts.result.status, SplitStatus::not_finite);
         ASSERT_EQ(parts.result.first_bad, static_cast<int>(bad));
@@ -518,7 +517,7 @@ TEST_P(ReducedFilterBy, TwoThreadsGetTheSameAnswer) {
 TEST(ReducedFilterByItself, ChoosesAnInstructionSet) {
   const std::vector<double> K = packed(mixture(10));
   Parts parts{std::vector<double>(K.size()), std::vector<int>(K.size() / reduced_entries), {}};
-  const int packs = static_cast<int>(K.size()) / (reduced_entries * reduced_lanes);
+  const int packs = static_cast<int>(K.size()) / (reduced_entries * lanes);
   parts.result = split_reduced(packs, K.data(), parts.N.data(), parts.negative.data());
   bool found = false;
   for (InstructionSet set : instruction_sets()) found = found || split_packs(K, set) == parts;

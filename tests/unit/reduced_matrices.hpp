@@ -144,13 +144,13 @@ inline Matrix stretched_element(Random &random, double poisson) {
 
 /// Matrices into packs; the last one is filled up with copies of the last matrix.
 inline std::vector<double> packed(const std::vector<Matrix> &matrices) {
-  const std::size_t packs = (matrices.size() + reduced_lanes - 1) / reduced_lanes;
-  std::vector<double> K(packs * reduced_entries * reduced_lanes);
-  for (std::size_t m = 0; m < packs * reduced_lanes; ++m) {
+  const std::size_t packs = (matrices.size() + lanes - 1) / lanes;
+  std::vector<double> K(packs * reduced_entries * lanes);
+  for (std::size_t m = 0; m < packs * lanes; ++m) {
     const Matrix &A = matrices[std::min(m, matrices.size() - 1)];
-    double *at = &K[m / reduced_lanes * reduced_entries * reduced_lanes + m % reduced_lanes];
+    double *at = &K[m / lanes * reduced_entries * lanes + m % lanes];
     for (int i = 0; i < n; ++i) {
-      for (int j = 0; j <= i; ++j, at += reduced_lanes) *at = A[n * i + j];
+      for (int j = 0; j <= i; ++j, at += lanes) *at = A[n * i + j];
     }
   }
   return K;

@@ -8,6 +8,7 @@
 #include <random>
 #include <string>
 
+#include "simd/instruction_set.hpp"
 #include "tet4_heap.hpp"
 
 namespace trefoil {

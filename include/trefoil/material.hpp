@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "material/matrix3.hpp"
+#include "trefoil/matrix3.hpp"
 
 namespace trefoil {
 

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "material/matrix3.hpp"
-#include "material/polar.hpp"
-#include "simd/branch_free.hpp"
+#include "trefoil/branch_free.hpp"
+#include "trefoil/matrix3.hpp"
+#include "trefoil/polar.hpp"
 
 namespace trefoil {
 
@@ -116,7 +116,7 @@ void add_rotation_derivative(const Factor &factor, const SignedSvd<Real> &svd, T
     }
     const Real sum =
         svd.stretch[static_cast<std::size_t>(i)] + svd.stretch[static_cast<std::size_t>(j)];
-    add_square(factor / larger(sum, Real(least_stretch_sum)), twist, A);
+    add_square(factor / max(sum, Real(least_stretch_sum)), twist, A);
   }
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "material/tangent_terms.hpp"
+#include "trefoil/tangent_terms.hpp"
 
 namespace trefoil {
 

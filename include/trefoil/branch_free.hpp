@@ -1,8 +1,9 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
-#include "simd/pack.hpp"
+#include "trefoil/pack.hpp"
 
 namespace trefoil {
 
@@ -12,19 +13,22 @@ namespace trefoil {
 inline double select(bool where, double a, double b) {
   return where ? a : b;
 }
-
 inline bool any(bool answer) {
+  return answer;
+}
+inline bool all(bool answer) {
   return answer;
 }
 
 using std::abs;
+using std::cbrt;
+using std::exp;
+using std::expm1;
 using std::log;
+using std::log1p;
+using std::max;
+using std::min;
+using std::pow;
 using std::sqrt;
-
-/// The larger of two; where one is not a number, `a`.
-template <class Real>
-Real larger(const Real &a, const Real &b) {
-  return select(a < b, b, a);
-}
 
 }  // namespace trefoil

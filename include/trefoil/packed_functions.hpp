@@ -1,10 +1,7 @@
 #pragma once
 
-#include <tuple>
-#include <type_traits>
-
-#include "material/material_list.hpp"
-#include "simd/pack.hpp"
+#include "trefoil/material.hpp"
+#include "trefoil/pack.hpp"
 
 namespace trefoil {
 
@@ -57,10 +54,5 @@ template <class M, InstructionSet isa>
 PackedFunctions make_packed_functions() {
   return {packed::energy_density<isa, M>, packed::stress<isa, M>, packed::tangent<isa, M>};
 }
-
-/// The functions of all materials of the list, in its order; defined in the file that is compiled
-/// for the instruction set.
-template <InstructionSet isa>
-const PackedFunctions *packed_functions_table();
 
 }  // namespace trefoil

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "material/material_model.hpp"
-#include "support/input_error.hpp"
+#include "trefoil/input_error.hpp"
+#include "trefoil/material_model.hpp"
 
 namespace trefoil {
 
@@ -25,7 +25,7 @@ void register_material(const std::string &name, MaterialMaker maker);
 template <SceneMaterial M>
 void register_material();
 
-/// All names, in the order of registration, those of SceneMaterials first.
+/// All names, in the order of registration, the library's own first.
 std::vector<std::string> material_names();
 
 /// A material by its name. InputError for an unknown name, which lists the known ones, or for

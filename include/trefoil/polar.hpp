@@ -1,7 +1,7 @@
 #pragma once
 
-#include "material/matrix3.hpp"
-#include "simd/branch_free.hpp"
+#include "trefoil/branch_free.hpp"
+#include "trefoil/matrix3.hpp"
 
 namespace trefoil {
 
