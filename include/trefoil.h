@@ -28,6 +28,15 @@ PetscErrorCode TrefoilInitializePackage(void);
 /* What PETSc calls when the library is loaded with -dll_append. */
 PetscErrorCode PetscDLLibraryRegister_trefoil(void);
 
+/* How a step is searched for: along the direction, or from the energy's minimum in the plane of the
+   direction and the previous step. */
+typedef enum { TREFOIL_SEARCH_ARMIJO, TREFOIL_SEARCH_SUBSPACE } TrefoilSearch;
+PETSC_EXTERN const char *const TrefoilSearches[];
+
+/* What is filtered: an element's whole Hessian, or dP/dF at its quadrature points. */
+typedef enum { TREFOIL_SPACE_ELEMENT, TREFOIL_SPACE_DEFORMATION } TrefoilSpace;
+PETSC_EXTERN const char *const TrefoilSpaces[];
+
 /* What a split Jacobian callback reports of one evaluation. Counts and seconds of this rank. */
 typedef struct {
   PetscInt64 elements;           /* elements evaluated */
@@ -52,6 +61,28 @@ typedef PetscErrorCode (*TrefoilSplitJacobianFunction)(SNES snes, Vec x, Mat H, 
    SNESSetJacobian(). With a SNES or line search of another type H stays unfiltered. */
 PetscErrorCode TrefoilSNESSetSplitJacobian(SNES snes, Mat H, TrefoilSplitJacobianFunction function,
                                            void *ctx);
+
+/* What a split callback can do beside splitting whole element Hessians. */
+typedef enum {
+  TREFOIL_SPLIT_FLOOR = 1,      /* obeys TrefoilSNESGetEigenvalueFloor() */
+  TREFOIL_SPLIT_DEFORMATION = 2 /* filters where -snes_trefoil_space deformation says */
+} TrefoilSplitCapability;
+
+/*
+   TrefoilSNESSetSplitCapabilities - says what the split callback can do
+
+   Logically collective; after TrefoilSNESSetSplitJacobian(), which forgets it. `capabilities` is a
+   sum of TrefoilSplitCapability. Options that ask for more than the callback can do are an error.
+*/
+PetscErrorCode TrefoilSNESSetSplitCapabilities(SNES snes, int capabilities);
+
+/*
+   TrefoilSNESGetEigenvalueFloor - the floor under filtered eigenvalues, for split callbacks
+
+   Not collective; valid in the callback. Output: share, of an element's largest |eigenvalue|, that
+   its filtered eigenvalues are not to fall below, 0 for none; weight, w of the Jacobian being made.
+*/
+PetscErrorCode TrefoilSNESGetEigenvalueFloor(SNES snes, PetscReal *share, PetscReal *weight);
 
 /*
    A callback for the size of the energy at x, free of any constant in it: for elasticity the sum
@@ -85,6 +116,71 @@ typedef PetscErrorCode (*TrefoilEnergyChangesFunction)(SNES snes, Vec x, PetscIn
                                                        PetscReal changes[], void *ctx);
 PetscErrorCode TrefoilSNESSetEnergyChanges(SNES snes, TrefoilEnergyChangesFunction function,
                                            void *ctx);
+
+/*
+   A callback for the largest step along d from x that the host allows, where an energy is defined
+   on a part of space only: with barriers against contact the step before the first collision.
+   Collective; the same number on all ranks. Input: snes, x, d, and `first`, the step length that is
+   wanted. Output: *largest > 0; where it is not below `first` nothing is limited.
+
+   Backtracking and the descent from a saddle begin at min(first, *largest). A step that has been
+   cut short is marked in the record ("truncated"), teaches the rule nothing, and is followed by no
+   Shamanskii step. With this callback a post-check of the line search must not change the step, and
+   SNES types and line searches that know no largest step are an error.
+*/
+typedef PetscErrorCode (*TrefoilMaxStepFunction)(SNES snes, Vec x, Vec d, PetscReal first,
+                                                 PetscReal *largest, void *ctx);
+PetscErrorCode TrefoilSNESSetMaxStep(SNES snes, TrefoilMaxStepFunction function, void *ctx);
+
+/*
+   Defaults for the options of the same names (see -help); an option that is given wins. All are
+   logically collective and come before SNESSetFromOptions(). Values that the option would refuse
+   are an error.
+*/
+PetscErrorCode TrefoilSNESSetFilter(SNES snes, const char name[]);
+PetscErrorCode TrefoilSNESSetRhoTolerance(SNES snes, PetscReal tolerance);
+/* The weight w of filter `constant`. */
+PetscErrorCode TrefoilSNESSetConstantWeight(SNES snes, PetscReal weight);
+PetscErrorCode TrefoilSNESSetSearch(SNES snes, TrefoilSearch search);
+PetscErrorCode TrefoilSNESSetTrustStart(SNES snes, PetscBool trust);
+/* Tolerances on the Newton decrement, in energy units, and on the decrement over the energy scale;
+   0 turns a test off, PETSC_DEFAULT leaves it as it is. */
+PetscErrorCode TrefoilSNESSetTolerances(SNES snes, PetscReal decrement, PetscReal energy);
+PetscErrorCode TrefoilSNESSetVerifyMinimum(SNES snes, PetscBool verify);
+PetscErrorCode TrefoilSNESSetMonitor(SNES snes, PetscBool on);
+/* The file of the JSON record; empty: none. */
+PetscErrorCode TrefoilSNESSetRecordFile(SNES snes, const char path[]);
+
+/*
+   TrefoilSNESSetFromOptions - reads -snes_trefoil_* and -snes_linesearch_{shrink,armijo}
+
+   Collective. SNESSetFromOptions() does it where the line search is ours; a host calls this, after
+   SNESSetFromOptions(), so that monitor and record work with other types and line searches too.
+*/
+PetscErrorCode TrefoilSNESSetFromOptions(SNES snes);
+
+/*
+   TrefoilSNESJacobianMayBeIndefinite - whether the linear solver has to survive indefinite matrices
+
+   Not collective; after SNESSetFromOptions(). PETSC_FALSE where the filter makes every Jacobian
+   positive definite by construction; PETSC_TRUE where the rule may choose a weight below 1/2, or
+   another line search leaves the Hessian as it is.
+*/
+PetscErrorCode TrefoilSNESJacobianMayBeIndefinite(SNES snes, PetscBool *may);
+
+/* Seconds that were spent on a starting guess; the record's history begins with them. Logically
+   collective. */
+PetscErrorCode TrefoilSNESSetHeadStart(SNES snes, PetscReal seconds);
+
+/*
+   TrefoilSNESEndSolve - ends a solve that an error has broken off
+
+   Collective, after SNESSolve() has returned an error that the caller takes for an answer, such as
+   a factorisation's of a matrix that is not positive definite. Sets the SNES's reason, and
+   completes the record with `reason` in words.
+*/
+PetscErrorCode TrefoilSNESEndSolve(SNES snes, SNESConvergedReason converged_reason,
+                                   const char reason[]);
 
 /*
    TrefoilSplitElementMatrix - the negative part of one symmetric element matrix

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "assembly/hessian_assembler.hpp"
-#include "snes/solve_context.hpp"
 #include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
@@ -230,10 +229,10 @@ PetscErrorCode residual(SNES, Vec x, Vec g, void *ctx) {
 
 PetscErrorCode split_hessian(SNES snes, Vec x, Mat H, Mat *negative,
                              TrefoilSplitStatistics *statistics, void *ctx) {
-  SolveContext *context = nullptr;
+  PetscReal share = 0, weight = 0;
   PetscFunctionBeginUser;
-  PetscCall(get_solve_context(snes, &context));
-  static_cast<EnergyFunctional *>(ctx)->set_floor(eigenvalue_floor(*context));
+  PetscCall(TrefoilSNESGetEigenvalueFloor(snes, &share, &weight));
+  static_cast<EnergyFunctional *>(ctx)->set_floor({share, weight});
   PetscCall(static_cast<EnergyFunctional *>(ctx)->hessian(x, H, negative, statistics));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -265,7 +264,6 @@ PetscErrorCode energy_scale(SNES, Vec x, PetscReal *scale, void *ctx) {
 }  // namespace
 
 PetscErrorCode EnergyFunctional::attach(SNES snes, Mat H, Assembly assembly) {
-  SolveContext *context = nullptr;
   PetscFunctionBeginUser;
   assembly_ = assembly;
   PetscCall(SNESSetObjective(snes, objective, this));
@@ -273,10 +271,10 @@ PetscErrorCode EnergyFunctional::attach(SNES snes, Mat H, Assembly assembly) {
   if (assembly != Assembly::hook) {
     PetscCall(TrefoilSNESSetSplitJacobian(snes, H, split_hessian, this));
     // Linear tetrahedra in packs of their own are filtered whole; other terms as they were told.
-    PetscCall(get_solve_context(snes, &context));
-    context->obeys_floor = true;
-    context->splits_deformation =
-        std::none_of(terms_.begin(), terms_.end(), [](const auto &term) { return term->packs(); });
+    const bool whole =
+        std::any_of(terms_.begin(), terms_.end(), [](const auto &term) { return term->packs(); });
+    PetscCall(TrefoilSNESSetSplitCapabilities(
+        snes, TREFOIL_SPLIT_FLOOR | (whole ? 0 : TREFOIL_SPLIT_DEFORMATION)));
   } else {
     PetscCall(SNESSetJacobian(snes, H, H, plain_hessian, this));
   }

@@ -14,7 +14,7 @@ namespace trefoil {
 namespace {
 
 /// What can be said of an element block without its eigenvalues.
-struct Look {
+struct BlockProperties {
   bool finite = true;
   bool symmetric = true;
   /// A zero on the diagonal beside non-zeros in its row: the multiplier block of a saddle point,
@@ -23,29 +23,41 @@ struct Look {
 };
 
 /// In one pass, because it is a good part of what an element costs that is not indefinite.
-Look look_at(PetscInt n, const PetscScalar *H) {
+BlockProperties properties_of(PetscInt n, const PetscScalar *H) {
   constexpr double huge = std::numeric_limits<double>::max();
-  Look look;
+  BlockProperties block;
   double largest = 0, difference = 0;
   for (PetscInt i = 0; i < n; ++i) {
     for (PetscInt j = 0; j <= i; ++j) {
       const double lower = H[n * i + j], upper = H[n * j + i];
       const double larger = std::max(std::abs(lower), std::abs(upper));
-      look.finite &= std::abs(lower) <= huge && std::abs(upper) <= huge;
+      block.finite &= std::abs(lower) <= huge && std::abs(upper) <= huge;
       largest = std::max(largest, larger);
       difference = std::max(difference, std::abs(lower - upper));
     }
     if (H[n * i + i] == 0) {
-      look.saddle |=
+      block.saddle |=
           std::any_of(H + n * i, H + n * (i + 1), [](double value) { return value != 0; });
     }
   }
   // Hosts compute H_e by formulas or by automatic differentiation: equal up to their rounding.
-  look.symmetric = difference <= 1e-8 * largest;
-  return look;
+  block.symmetric = difference <= 1e-8 * largest;
+  return block;
 }
 
 }  // namespace
+
+InsertionCounts &InsertionCounts::operator+=(const InsertionCounts &more) {
+  elements += more.elements;
+  indefinite += more.indefinite;
+  rectangular += more.rectangular;
+  partial += more.partial;
+  nonsymmetric += more.nonsymmetric;
+  saddle += more.saddle;
+  not_finite += more.not_finite;
+  too_large += more.too_large;
+  return *this;
+}
 
 PetscErrorCode ElementHook::watch(PetscInt m, const PetscInt *rows, PetscInt n,
                                   const PetscInt *columns, const PetscScalar *values,
@@ -125,11 +137,11 @@ PetscErrorCode ElementHook::split_all(PetscInt n, const PetscInt *index,
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   // What cannot be filtered goes on as it is; after the callback all ranks learn of it together.
-  const Look look = look_at(n, values);
-  counts_.not_finite += !look.finite;
-  counts_.nonsymmetric += look.finite && !look.symmetric;
-  counts_.saddle += look.finite && look.symmetric && look.saddle;
-  if (!look.finite || !look.symmetric || look.saddle) PetscFunctionReturn(PETSC_SUCCESS);
+  const BlockProperties block = properties_of(n, values);
+  counts_.not_finite += !block.finite;
+  counts_.nonsymmetric += block.finite && !block.symmetric;
+  counts_.saddle += block.finite && block.symmetric && block.saddle;
+  if (!block.finite || !block.symmetric || block.saddle) PetscFunctionReturn(PETSC_SUCCESS);
   PetscLogDouble begin = 0, end = 0;
   SplitResult result;
   PetscCall(PetscTime(&begin));

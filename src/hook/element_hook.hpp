@@ -23,11 +23,12 @@ struct InsertionCounts {
   [[nodiscard]] PetscInt64 unfiltered() const {
     return rectangular + nonsymmetric + saddle + not_finite + too_large;
   }
+  InsertionCounts &operator+=(const InsertionCounts &more);
 };
 
-/// Watches a host's Mat: every element block that is added while the hook is active is split, H_e
-/// goes on unchanged, and N_e is added to a second Mat of the same pattern. Works on the insertion
-/// operations that the Mat's type has; inactive it only passes on.
+/// Records what a host adds to its Mat: every element block that is added while the hook is active
+/// is split, H_e goes on unchanged, and N_e is added to a second Mat of the same pattern. Works on
+/// the insertion operations that the Mat's type has; inactive it records nothing.
 class ElementHook {
  public:
   /// Puts the hook on a Mat, or returns the one that is there. From PETSc 3.19 on an AIJ exchanges
@@ -60,7 +61,7 @@ class ElementHook {
   /// Collects outside Jacobian callbacks, too: for hosts that assemble elsewhere.
   void keep_active() { always_ = active_ = true; }
 
-  /// Passes on without a look for a while.
+  /// Suspends recording, or takes it up again.
   void pause(bool paused) { active_ = !paused; }
 
   struct Operations;  ///< the Mat's own insertion operations

@@ -44,6 +44,6 @@ PetscErrorCode TrefoilMatSetElementValues(Mat matrix, PetscInt n, const PetscInt
   ElementHook *hook = ElementHook::find(matrix);
   PetscFunctionBegin;
   if (hook) PetscCall(hook->take_element(n, index, H));
-  PetscCall(trefoil::set_values_unwatched(matrix, n, index, H));
+  PetscCall(trefoil::set_values_unrecorded(matrix, n, index, H));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

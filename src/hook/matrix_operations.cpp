@@ -224,8 +224,8 @@ PetscErrorCode add_multiple(Mat matrix, double factor, Mat negative) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode set_values_unwatched(Mat matrix, PetscInt n, const PetscInt *index,
-                                    const PetscScalar *values) {
+PetscErrorCode set_values_unrecorded(Mat matrix, PetscInt n, const PetscInt *index,
+                                     const PetscScalar *values) {
   ElementHook *hook = ElementHook::find(matrix);
   const bool was_active = hook && hook->active();
   PetscFunctionBegin;

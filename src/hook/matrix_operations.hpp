@@ -12,7 +12,7 @@ using ZeroRowsFunction = PetscErrorCode (*)(Mat, PetscInt, const PetscInt[], Pet
 
 using ZeroEntriesFunction = PetscErrorCode (*)(Mat);
 
-/// A Mat's own operations, which the hook's call when they have looked.
+/// A Mat's own operations, which the hook's call after recording.
 struct ElementHook::Operations {
   explicit Operations(Mat watched) : matrix(watched) {}
 
@@ -37,11 +37,11 @@ struct ElementHook::Operations {
   }
 };
 
-/// matrix += factor negative, both of the same nonzero pattern, without a look. Collective.
+/// matrix += factor negative, both of the same nonzero pattern; not recorded. Collective.
 PetscErrorCode add_multiple(Mat matrix, double factor, Mat negative);
 
-/// Insertion without a look, for a block that the hook has been shown already.
-PetscErrorCode set_values_unwatched(Mat matrix, PetscInt n, const PetscInt *index,
-                                    const PetscScalar *values);
+/// Insertion that is not recorded, of a block that the hook has been shown already.
+PetscErrorCode set_values_unrecorded(Mat matrix, PetscInt n, const PetscInt *index,
+                                     const PetscScalar *values);
 
 }  // namespace trefoil

@@ -2,8 +2,8 @@
 
 #include "output/result.hpp"
 #include "output/snapshot.hpp"
-#include "snes/solve_context.hpp"
 #include "support/petsc_compatibility.hpp"
+#include "support/text_file.hpp"
 
 namespace trefoil {
 namespace {

@@ -15,8 +15,8 @@
 #include "scene/scene.hpp"
 #include "scene/solve.hpp"
 #include "scene/solver_help.hpp"
-#include "snes/solve_context.hpp"
 #include "support/petsc_compatibility.hpp"
+#include "support/text_file.hpp"
 #include "trefoil.h"
 
 static const char help[] =

@@ -9,6 +9,7 @@ class ConstantRule final : public Rule {
   explicit ConstantRule(double weight) : weight_(weight) {}
   double first() override { return weight_; }
   double next(const IterationRecord &) override { return weight_; }
+  [[nodiscard]] double least_weight() const override { return weight_; }
 
  private:
   double weight_;

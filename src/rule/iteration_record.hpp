@@ -15,8 +15,9 @@ struct IterationRecord {
   double weight = 0;          ///< w of the filtered Jacobian H + 2 w N
   double rho = none;          ///< trust-region ratio of the step taken
   double step = 0;            ///< step length taken along the direction; 0: none
+  bool truncated = false;     ///< the host allowed no longer step: it teaches a rule nothing
   int trials = 0;             ///< energies evaluated at trial points
-  int corrections = 0;        ///< further directions from the same factors
+  int shamanskii_steps = 0;   ///< further steps from the same factors
   double decrement = none;    ///< |g'd| / 2 of the full direction d, energy units
   double indefinite = 0;      ///< share of the elements with a negative eigenvalue, 0..1
   int linear_iterations = 0;  ///< of the Krylov solver

@@ -20,7 +20,8 @@ class MultiplicativeRule final : public Rule {
     return std::clamp(last.weight * (predicted ? 0.5 : 2.0), least, most);
   }
 
-  bool may_be_rejected() const override { return true; }
+  [[nodiscard]] double least_weight() const override { return least; }
+  [[nodiscard]] bool may_be_rejected() const override { return true; }
   std::optional<double> rejected(const IterationRecord &refused) override {
     if (refused.weight >= 0.5) return std::nullopt;
     return std::min(2 * refused.weight, 0.5);

@@ -10,7 +10,8 @@ class OnDemandRule final : public Rule {
  public:
   double first() override { return 0; }
   double next(const IterationRecord &) override { return 0; }
-  bool may_be_rejected() const override { return true; }
+  [[nodiscard]] double least_weight() const override { return 0; }
+  [[nodiscard]] bool may_be_rejected() const override { return true; }
   std::optional<double> rejected(const IterationRecord &refused) override {
     return refused.weight < 0.5 ? std::optional(0.5) : std::nullopt;
   }

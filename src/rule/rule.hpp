@@ -27,11 +27,15 @@ class Rule {
   virtual double next(const IterationRecord &last) = 0;
   /// The floor under filtered eigenvalues, as a share of the element's largest; 0: none.
   [[nodiscard]] virtual double floor() const { return 0; }
+  /// The least weight it may choose: below 1/2 the Jacobian may be indefinite.
+  [[nodiscard]] virtual double least_weight() const { return 0.5; }
   /// Whether it chooses weights with which the Jacobian may be indefinite, and knows what then.
   [[nodiscard]] virtual bool may_be_rejected() const { return false; }
   /// The weight to try instead of that of the iteration under way, whose Jacobian turned out to be
   /// indefinite; none: the solve ends there.
   virtual std::optional<double> rejected(const IterationRecord &) { return std::nullopt; }
+  /// What the last answer has failed with, a host's own error code; 0: nothing.
+  [[nodiscard]] virtual int error() const { return 0; }
 };
 
 /// A rule by its name; null where there is none of that name.

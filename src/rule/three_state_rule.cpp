@@ -24,7 +24,8 @@ class ThreeStateRule final : public Rule {
     return try_newton ? 0 : 0.5;
   }
 
-  bool may_be_rejected() const override { return true; }
+  [[nodiscard]] double least_weight() const override { return 0; }
+  [[nodiscard]] bool may_be_rejected() const override { return true; }
   std::optional<double> rejected(const IterationRecord &refused) override {
     if (refused.weight >= 0.5) return std::nullopt;
     refused_decrement_ = refused.decrement;

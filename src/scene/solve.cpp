@@ -6,8 +6,8 @@
 #include "scene/load_steps.hpp"
 #include "scene/solver_help.hpp"
 #include "scene/start_check.hpp"
-#include "snes/solve_context.hpp"
 #include "support/petsc_compatibility.hpp"
+#include "trefoil.h"
 
 namespace trefoil {
 namespace {
@@ -29,35 +29,15 @@ PetscErrorCode set_unless_given(const char *option, const char *value) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// Whether the options leave the Jacobian as it is, so that it may be indefinite.
-PetscErrorCode jacobian_may_be_indefinite(bool *may) {
-  std::array<char, 256> type{"trefoil"}, filter{"adaptive"};
-  PetscReal weight = 1;
-  PetscFunctionBeginUser;
-  PetscCall(
-      PetscOptionsGetString(nullptr, nullptr, "-snes_type", type.data(), type.size(), nullptr));
-  PetscCall(PetscOptionsGetString(nullptr, nullptr, "-snes_linesearch_type", type.data(),
-                                  type.size(), nullptr));
-  PetscCall(PetscOptionsGetString(nullptr, nullptr, "-snes_trefoil_filter", filter.data(),
-                                  filter.size(), nullptr));
-  PetscCall(PetscOptionsGetReal(nullptr, nullptr, "-snes_trefoil_weight", &weight, nullptr));
-  const auto rule = make_rule(filter.data(), {});
-  *may = std::string(type.data()) != "trefoil" || !rule || rule->may_be_rejected() ||
-         std::string(filter.data()) == "newton" ||
-         (std::string(filter.data()) == "constant" && weight < 0.5);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /// A direct solver for symmetric matrices: CHOLMOD on one rank, MUMPS on several, and MUMPS where
 /// the matrix may be indefinite, which it survives and CHOLMOD does not. With a preconditioner of
 /// the user's, conjugate gradients.
-PetscErrorCode set_default_linear_solver(SNES snes) {
-  KSP ksp = nullptr;
+PetscErrorCode choose_linear_solver(SNES snes, KSP ksp) {
   PC pc = nullptr;
   PetscMPIInt ranks = 0;
-  bool preconditioner_set = false, multigrid_option_set = false, may_be_indefinite = false;
+  PetscBool may_be_indefinite = PETSC_FALSE;
+  bool preconditioner_set = false, multigrid_option_set = false;
   PetscFunctionBeginUser;
-  PetscCall(SNESGetKSP(snes, &ksp));
   PetscCall(KSPGetPC(ksp, &pc));
   PetscCall(is_set("-pc_type", &preconditioner_set));
   PetscCall(is_set("-pc_gamg_reuse_interpolation", &multigrid_option_set));
@@ -76,7 +56,7 @@ PetscErrorCode set_default_linear_solver(SNES snes) {
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCallMPI(MPI_Comm_size(PetscObjectComm(reinterpret_cast<PetscObject>(snes)), &ranks));
-  PetscCall(jacobian_may_be_indefinite(&may_be_indefinite));
+  PetscCall(TrefoilSNESJacobianMayBeIndefinite(snes, &may_be_indefinite));
   PetscCall(KSPSetType(ksp, KSPPREONLY));
   PetscCall(PCSetType(pc, PCCHOLESKY));
 #if defined(PETSC_HAVE_SUITESPARSE)
@@ -100,8 +80,17 @@ PetscErrorCode set_default_linear_solver(SNES snes) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// The default linear solver, which depends on what the SNES was told; options have the last word.
+PetscErrorCode set_linear_solver(SNES snes) {
+  KSP ksp = nullptr;
+  PetscFunctionBeginUser;
+  PetscCall(SNESGetKSP(snes, &ksp));
+  PetscCall(choose_linear_solver(snes, ksp));
+  PetscCall(KSPSetFromOptions(ksp));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode set_defaults(SNES snes, const SolveOutcome &outcome, double head_start) {
-  SolveContext *context = nullptr;
   PetscReal absolute = 0, step = 0;
   PetscInt iterations = 0, functions = 0;
   PetscFunctionBeginUser;
@@ -109,11 +98,10 @@ PetscErrorCode set_defaults(SNES snes, const SolveOutcome &outcome, double head_
   // The residual at the start is that of crushed elements: no measure for the one at the end.
   PetscCall(SNESGetTolerances(snes, &absolute, nullptr, &step, &iterations, &functions));
   PetscCall(SNESSetTolerances(snes, absolute, 0, step, iterations, functions));
-  PetscCall(get_solve_context(snes, &context));
-  set_program_defaults(context->options);
-  context->options.trust_start = outcome.guess.linear_solves > 0 || outcome.inverted_at_start == 0;
-  context->head_start = head_start;
-  PetscCall(set_default_linear_solver(snes));
+  PetscCall(set_program_defaults(snes));
+  const bool trust = outcome.guess.linear_solves > 0 || outcome.inverted_at_start == 0;
+  PetscCall(TrefoilSNESSetTrustStart(snes, trust ? PETSC_TRUE : PETSC_FALSE));
+  PetscCall(TrefoilSNESSetHeadStart(snes, head_start));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -144,14 +132,11 @@ EnergyFunctional::Assembly assembly_of(const SceneOptions &options) {
 /// CHOLMOD raises an error where a matrix is not positive definite; to a user that is a solve that
 /// did not converge.
 PetscErrorCode solve(SNES snes, Vec x) {
-  SolveContext *context = nullptr;
   PetscFunctionBeginUser;
   const PetscErrorCode error = SNESSolve(snes, nullptr, x);
   if (error == PETSC_ERR_MAT_CH_ZRPVT || error == PETSC_ERR_MAT_LU_ZRPVT) {
-    PetscCall(get_solve_context(snes, &context));
-    context->summary.reason = "the linear solver met a matrix that is not positive definite";
-    PetscCall(SNESSetConvergedReason(snes, SNES_DIVERGED_LINEAR_SOLVE));
-    PetscCall(end_solve(*context));
+    PetscCall(TrefoilSNESEndSolve(snes, SNES_DIVERGED_LINEAR_SOLVE,
+                                  "the linear solver met a matrix that is not positive definite"));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(error);
@@ -179,7 +164,7 @@ PetscErrorCode solve_from_start(Scene &scene, double head_start, SolveOutcome *o
                                 std::vector<std::string> *records) {
   const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(scene.mesh.dm));
   SNES snes = nullptr;
-  SolveContext *context = nullptr;
+  const char *record = nullptr;
   SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
   EnergySums start;
   PetscFunctionBeginUser;
@@ -188,16 +173,17 @@ PetscErrorCode solve_from_start(Scene &scene, double head_start, SolveOutcome *o
   PetscCall(set_defaults(snes, *outcome, head_start));
   PetscCall(SNESSetFromOptions(snes));
   PetscCall(check_solver(snes));
-  PetscCall(get_solve_context(snes, &context));
-  PetscCall(set_options(*context));      // also where another type of SNES does not read them
-  context->options.record_file.clear();  // the program writes it, completed
+  PetscCall(TrefoilSNESSetFromOptions(snes));     // also where another type does not read them
+  PetscCall(TrefoilSNESSetRecordFile(snes, ""));  // the program writes it, completed
+  PetscCall(set_linear_solver(snes));
 
   PetscCall(scene.functional->energy(scene.displacement, &start));
   PetscCall(check_start(scene, start.energy));
   PetscCall(solve(snes, scene.displacement));
   PetscCall(SNESGetConvergedReason(snes, &reason));
   outcome->converged = reason > 0;
-  records->push_back(context->record);
+  PetscCall(TrefoilSNESGetRecord(snes, &record));
+  records->emplace_back(record);
   PetscCall(SNESDestroy(&snes));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,26 +1,26 @@
 #include "scene/solver_help.hpp"
 
-#include "snes/solve_context.hpp"
 #include "support/petsc_compatibility.hpp"
+#include "trefoil.h"
 
 namespace trefoil {
 
-void set_program_defaults(SolverOptions &options) {
-  options.monitor = true;
-  options.search = "subspace";
-  options.verify_minimum = true;
+PetscErrorCode set_program_defaults(SNES snes) {
+  PetscFunctionBeginUser;
+  PetscCall(TrefoilSNESSetMonitor(snes, PETSC_TRUE));
+  PetscCall(TrefoilSNESSetSearch(snes, TREFOIL_SEARCH_SUBSPACE));
+  PetscCall(TrefoilSNESSetVerifyMinimum(snes, PETSC_TRUE));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode print_solver_help(MPI_Comm comm) {
   SNES snes = nullptr;
-  SolveContext *context = nullptr;
   KSP ksp = nullptr;
   PC pc = nullptr;
   PetscFunctionBeginUser;
   PetscCall(SNESCreate(comm, &snes));
   PetscCall(SNESSetType(snes, SNESTREFOIL));
-  PetscCall(get_solve_context(snes, &context));
-  set_program_defaults(context->options);
+  PetscCall(set_program_defaults(snes));
   PetscCall(SNESGetKSP(snes, &ksp));
   PetscCall(KSPSetType(ksp, KSPPREONLY));
   PetscCall(KSPGetPC(ksp, &pc));

@@ -2,12 +2,10 @@
 
 #include <petscsnes.h>
 
-#include "snes/solve_context.hpp"
-
 namespace trefoil {
 
 /// What a scene is solved with unless its options say otherwise.
-void set_program_defaults(SolverOptions &options);
+PetscErrorCode set_program_defaults(SNES snes);
 
 /// Prints the options of the solver, with its defaults in a scene: those of the plugin, and PETSc's
 /// of SNES, line search, KSP and PC. For -help, without a scene. Collective.

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "support/petsc_compatibility.hpp"
+#include "support/real_dot.hpp"
 
 namespace trefoil {
 namespace {
@@ -29,44 +30,22 @@ PetscErrorCode set_random_forces(Mat H, Vec forces, Vec diagonal) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// Hp of the unfiltered Hessian.
-PetscErrorCode multiply_unfiltered(const SolveContext &context, Mat filtered, Vec p, Vec work,
-                                   Vec Hp) {
-  PetscFunctionBeginUser;
-  PetscCall(MatMult(filtered, p, Hp));
-  PetscCall(MatMult(context.negative, p, work));
-  PetscCall(VecAXPY(Hp, -2 * context.current.weight, work));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 }  // namespace
 
-PetscErrorCode dot(Vec a, Vec b, double *product) {
-  PetscScalar value = 0;
-  PetscFunctionBeginUser;
-  PetscCall(VecDot(a, b, &value));
-  *product = PetscRealPart(value);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode probe_curvature(SolveContext &context, Mat filtered, WorkVectors &work,
-                               StationaryPoint *kind, NegativeCurvature *found) {
-  KSP ksp = nullptr;
-  PC solver = nullptr;
-  Vec r = nullptr, z = nullptr, p = nullptr, Hp = nullptr, product = nullptr;
+PetscErrorCode probe_curvature(const FilteredJacobian &jacobian, PC solver, Vec like,
+                               WorkVectors &work, int *solves, StationaryPoint *kind,
+                               NegativeCurvature *found) {
+  Vec r = nullptr, z = nullptr, p = nullptr, Hp = nullptr;
   PetscInt size = 0;
   double rz = 0;
   PetscFunctionBeginUser;
   *kind = StationaryPoint::unknown;
-  PetscCall(SNESGetKSP(context.snes, &ksp));
-  PetscCall(KSPGetPC(ksp, &solver));
-  PetscCall(work.get(0, &r));
-  PetscCall(work.get(1, &z));
-  PetscCall(work.get(2, &p));
-  PetscCall(work.get(3, &Hp));
-  PetscCall(work.get(4, &product));
+  PetscCall(work.get(Work::cg_residual, like, &r));
+  PetscCall(work.get(Work::cg_preconditioned, like, &z));
+  PetscCall(work.get(Work::cg_direction, like, &p));
+  PetscCall(work.get(Work::product, like, &Hp));
   PetscCall(VecGetSize(r, &size));
-  PetscCall(set_random_forces(filtered, r, product));
+  PetscCall(set_random_forces(jacobian.matrix(), r, z));
   PetscCall(PCApply(solver, r, z));
   PetscCall(dot(r, z, &rz));
   const double enough = 1e-8 / static_cast<double>(size) * rz;
@@ -74,8 +53,8 @@ PetscErrorCode probe_curvature(SolveContext &context, Mat filtered, WorkVectors 
   PetscCall(VecCopy(z, p));
   for (int k = 0; k < most_solves && rz > 0; ++k) {
     double curvature = 0;
-    ++context.summary.verification_solves;
-    PetscCall(multiply_unfiltered(context, filtered, p, product, Hp));
+    ++*solves;
+    PetscCall(jacobian.multiply_unfiltered(p, Hp));
     PetscCall(dot(p, Hp, &curvature));
     if (curvature < -curvature_noise * squared_norm) {
       *kind = StationaryPoint::saddle;

@@ -1,11 +1,10 @@
 #pragma once
 
-#include <petscsnes.h>
+#include <petscksp.h>
 
-#include <array>
-
-#include "snes/solve_context.hpp"
-#include "support/petsc_compatibility.hpp"
+#include "hook/filtered_jacobian.hpp"
+#include "search/solve_record.hpp"
+#include "search/work_vectors.hpp"
 
 namespace trefoil {
 
@@ -14,30 +13,6 @@ struct NegativeCurvature {
   Vec direction = nullptr;  ///< one of the work vectors
   double squared_norm = 0;  ///< p'Mp of the preconditioner M, the filtered Jacobian or near it
 };
-
-/// Five vectors like x, destroyed together.
-class WorkVectors {
- public:
-  explicit WorkVectors(Vec x) : x_(x) {}
-  WorkVectors(const WorkVectors &) = delete;
-  WorkVectors &operator=(const WorkVectors &) = delete;
-  ~WorkVectors() {
-    for (Vec &v : vectors_) static_cast<void>(VecDestroy(&v));  // errors have nowhere to go
-  }
-  PetscErrorCode get(std::size_t i, Vec *v) {
-    PetscFunctionBeginUser;
-    if (!vectors_[i]) PetscCall(VecDuplicate(x_, &vectors_[i]));
-    *v = vectors_[i];
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-
- private:
-  Vec x_;
-  std::array<Vec, 5> vectors_{};
-};
-
-/// a'b of real vectors.
-PetscErrorCode dot(Vec a, Vec b, double *product);
 
 /// Conjugate gradients on the unfiltered Hessian H from a random right-hand side, preconditioned by
 /// the solver of the filtered one, which must be positive definite:
@@ -50,8 +25,11 @@ PetscErrorCode dot(Vec a, Vec b, double *product);
 ///   unless the random vector happened to have nearly no part in that eigenvector.
 ///
 /// Collective.
-/// @param found the direction where `kind` is a saddle; it belongs to `work`
-PetscErrorCode probe_curvature(SolveContext &context, Mat filtered, WorkVectors &work,
-                               StationaryPoint *kind, NegativeCurvature *found);
+/// @param like any vector of the SNES
+/// @param[out] solves with the preconditioner are added to it
+/// @param[out] found the direction where `kind` is a saddle; it belongs to `work`
+PetscErrorCode probe_curvature(const FilteredJacobian &jacobian, PC solver, Vec like,
+                               WorkVectors &work, int *solves, StationaryPoint *kind,
+                               NegativeCurvature *found);
 
 }  // namespace trefoil

@@ -1,100 +1,104 @@
+#include "search/step.hpp"
+
 #include <petsc/private/linesearchimpl.h>
 
 #include <cmath>
 
-#include "search/line.hpp"
 #include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
 
-PetscErrorCode backtrack(SolveContext &context, Line &line, double first_step, PetscInt most_trials,
-                         bool *accepted) {
-  const SolverOptions &options = context.options;
+PetscErrorCode backtrack(const SearchOptions &options, LineSearchState &state, double first_step,
+                         PetscInt most_trials, bool *accepted) {
   double step = first_step;
   PetscFunctionBeginUser;
   *accepted = false;
-  for (line.trials = 1; line.trials <= most_trials; ++line.trials) {
+  PetscCall(state.f.limit_step(state.x, state.d, &step, &state.truncated));
+  for (state.trials = 1; state.trials <= most_trials; ++state.trials) {
     bool finite = false;
-    PetscCall(evaluate_trial(context, line, step, &finite));
+    PetscCall(evaluate_trial(state, step, &finite));
     if (finite) {
       double change = 0;
-      PetscCall(energy_change(context, line, step * line.slope, &change));
-      *accepted = line.lifted || change <= options.armijo * step * line.slope;
+      PetscCall(energy_change(state, step * state.slope, &change));
+      *accepted = state.lifted || change <= options.armijo * step * state.slope;
       if (*accepted) PetscFunctionReturn(PETSC_SUCCESS);
     }
     step *= options.shrink;
   }
-  line.trials = static_cast<int>(most_trials);
+  state.trials = static_cast<int>(most_trials);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode unfiltered_curvature(SolveContext &context, const Line &line, Vec work,
-                                    double *curvature) {
-  Mat filtered = nullptr;
-  PetscScalar product = 0;
-  PetscFunctionBeginUser;
-  PetscCall(SNESGetJacobian(context.snes, nullptr, &filtered, nullptr, nullptr));
-  PetscCall(MatMult(filtered, line.minus_d, work));
-  PetscCall(VecDot(work, line.minus_d, &product));
-  *curvature = PetscRealPart(product);
-  if (context.negative_present) {
-    PetscCall(MatMult(context.negative, line.minus_d, work));
-    PetscCall(VecDot(work, line.minus_d, &product));
-    *curvature -= 2 * context.current.weight * PetscRealPart(product);
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode trust_region_ratio(SolveContext &context, Line &line, double curvature,
-                                  double *rho) {
-  const double s = line.step;
-  const double predicted = s * line.slope + 0.5 * s * s * curvature;
+PetscErrorCode trust_region_ratio(LineSearchState &state, double curvature, double *rho) {
+  const double s = state.step;
+  const double predicted = s * state.slope + 0.5 * s * s * curvature;
   double change = 0;
   PetscFunctionBeginUser;
-  PetscCall(energy_change(context, line, predicted, &change));
+  PetscCall(energy_change(state, predicted, &change));
   *rho = predicted != 0 ? change / predicted : IterationRecord::none;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// Keeps the step from x for the next plane, where the search has planes.
-static PetscErrorCode remember_step(SolveContext &context, const Line &line) {
+/// SNES has the update that its post-check and its monitors may ask for.
+static PetscErrorCode set_update(LineSearchState &state) {
+  Vec direction = nullptr;
   PetscFunctionBeginUser;
-  if (context.options.search != "subspace") PetscFunctionReturn(PETSC_SUCCESS);
-  if (!context.previous_step) PetscCall(VecDuplicate(line.x, &context.previous_step));
-  PetscCall(VecWAXPY(context.previous_step, -1, line.x, line.solution));
-  context.previous_step_known = !line.lifted;
+  PetscCall(state.work.get(Work::direction, state.x, &direction));
+  if (state.d != direction) PetscCall(VecAXPBY(state.update, -1, 0, state.d));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode take_step(SolveContext &context, SNESLineSearch search, Line &line) {
+/// The host's post-check, which may change the direction or the trial point.
+static PetscErrorCode post_check(SNESLineSearch search, LineSearchState &state, bool *changed) {
   PetscBool changed_direction = PETSC_FALSE, changed_point = PETSC_FALSE;
   PetscFunctionBeginUser;
-  PetscCall(SNESLineSearchPostCheck(search, line.x, line.minus_d, line.trial, &changed_direction,
+  PetscCall(SNESLineSearchPostCheck(search, state.x, state.update, state.trial, &changed_direction,
                                     &changed_point));
-  if (changed_direction && !changed_point) {
-    PetscCall(VecWAXPY(line.trial, -line.step, line.minus_d, line.x));
-  }
-  if (changed_direction || changed_point) line.trial_residual_known = false;
-  PetscCall(evaluate_trial_residual(context, line));
-  PetscCall(VecCopy(line.trial, line.solution));
-  PetscCall(VecCopy(line.trial_residual, line.residual));
-  if (!changed_direction && !changed_point) {
-    PetscCall(remember_energy(context, line.solution, line.trial_energy));
-  }
-  PetscCall(SNESLineSearchSetLambda(search, line.step));
-  PetscCall(SNESLineSearchComputeNorms(search));
-  // SNES wants the norm of the step taken, not of the full direction.
-  PetscReal x_norm = 0, residual_norm = 0, d_norm = 0;
-  PetscCall(SNESLineSearchGetNorms(search, &x_norm, &residual_norm, &d_norm));
-  PetscCall(SNESLineSearchSetNorms(search, x_norm, residual_norm, line.step * d_norm));
-  PetscCall(remember_step(context, line));
+  *changed = changed_direction || changed_point;
+  if (!*changed) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCheck(!state.f.max_step_callback, PetscObjectComm(reinterpret_cast<PetscObject>(search)),
+             PETSC_ERR_ARG_INCOMP,
+             "the post-check of the line search has changed a step that TrefoilSNESSetMaxStep()'s "
+             "callback has limited: shorten steps in that callback");
+  if (!changed_point) PetscCall(VecWAXPY(state.trial, -state.step, state.update, state.x));
+  state.trial_residual_known = false;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode stay(SolveContext &context, const Line &line) {
+/// SNES wants the norm of the step taken, not of the full direction.
+static PetscErrorCode set_norms(SNESLineSearch search, double step) {
+  PetscReal x_norm = 0, residual_norm = 0, d_norm = 0;
   PetscFunctionBeginUser;
-  PetscCall(VecCopy(line.x, line.solution));
-  PetscCall(remember_energy(context, line.solution, line.energy));
+  PetscCall(SNESLineSearchSetLambda(search, step));
+  PetscCall(SNESLineSearchComputeNorms(search));
+  PetscCall(SNESLineSearchGetNorms(search, &x_norm, &residual_norm, &d_norm));
+  PetscCall(SNESLineSearchSetNorms(search, x_norm, residual_norm, step * d_norm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode take_step(SNESLineSearch search, LineSearchState &state, SearchMemory &memory) {
+  bool changed = false;
+  Vec previous_step = nullptr;
+  PetscFunctionBeginUser;
+  PetscCall(set_update(state));
+  PetscCall(post_check(search, state, &changed));
+  PetscCall(evaluate_trial_residual(state));
+  PetscCall(VecCopy(state.trial, state.solution));
+  PetscCall(VecCopy(state.trial_residual, state.residual));
+  if (!changed) PetscCall(state.f.remember(state.solution, state.trial_energy));
+  PetscCall(set_norms(search, state.step));
+  if (memory.keeps_steps) {
+    PetscCall(memory.vectors.get(Work::previous_step, state.x, &previous_step));
+    PetscCall(VecWAXPY(previous_step, -1, state.x, state.solution));
+    memory.previous_step_known = !state.lifted;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode stay(LineSearchState &state) {
+  PetscFunctionBeginUser;
+  PetscCall(VecCopy(state.x, state.solution));
+  PetscCall(state.f.remember(state.solution, state.energy));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -6,15 +6,19 @@
    negative curvature, conjugate gradients on H from a random right-hand side, preconditioned by the
    solver of the filtered Jacobian H + 2 w N, see negative_curvature.hpp.
 */
+#include "search/verify_minimum.hpp"
+
 #include <petscksp.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "hook/matrix_operations.hpp"
-#include "search/line.hpp"
+#include "search/inertia.hpp"
 #include "search/negative_curvature.hpp"
+#include "search/step.hpp"
+#include "search/stop_test.hpp"
 #include "support/petsc_compatibility.hpp"
+#include "support/real_dot.hpp"
 
 namespace trefoil {
 namespace {
@@ -23,26 +27,18 @@ constexpr int most_saddles = 100;  ///< to leave in one solve
 /// A relative energy error of 1e-6 is promised with the default tolerance of 1e-8.
 constexpr double error_over_tolerance = 100;
 
-/// H + 2 w N becomes H, or H becomes H + 2 w N again, and is factored, also where the SNES lags
-/// its preconditioner. CHOLMOD calls a matrix that is not positive definite an error; it is none
-/// here.
-PetscErrorCode factor(SolveContext &context, double multiple_of_negative, bool *done) {
-  Mat matrix = nullptr;
-  KSP ksp = nullptr;
-  PC solver = nullptr;
+/// Factors the matrix as it is now, also where the SNES lags its preconditioner. CHOLMOD calls a
+/// matrix that is not positive definite an error; it is none here.
+PetscErrorCode factor(PC solver, bool *done) {
   PetscBool lagged = PETSC_FALSE;
   PetscFunctionBeginUser;
-  PetscCall(SNESGetJacobian(context.snes, nullptr, &matrix, nullptr, nullptr));
-  PetscCall(SNESGetKSP(context.snes, &ksp));
-  PetscCall(KSPGetPC(ksp, &solver));
-  PetscCall(add_multiple(matrix, multiple_of_negative, context.negative));
   PetscCall(PCGetReusePreconditioner(solver, &lagged));
   PetscCall(PCSetReusePreconditioner(solver, PETSC_FALSE));
-  PetscCall(PetscPushErrorHandler(PetscIgnoreErrorHandler, nullptr));
+  PetscCall(PetscPushErrorHandler(PetscReturnErrorHandler, nullptr));
   const PetscErrorCode error = PCSetUp(solver);
   PetscCall(PetscPopErrorHandler());
   PetscCheck(!error || error == PETSC_ERR_MAT_CH_ZRPVT,
-             PetscObjectComm(reinterpret_cast<PetscObject>(matrix)), error,
+             PetscObjectComm(reinterpret_cast<PetscObject>(solver)), error,
              "the factorisation that verifies the minimum failed; "
              "-snes_trefoil_verify_minimum false goes without it");
   PetscCall(PCSetReusePreconditioner(solver, lagged));
@@ -51,157 +47,159 @@ PetscErrorCode factor(SolveContext &context, double multiple_of_negative, bool *
 }
 
 /// Tries Cholesky factors of H itself and leaves those of H + 2 w N where it has none.
-PetscErrorCode try_factors(SolveContext &context, bool *definite) {
-  const double multiple = 2 * context.current.weight;
-  FactorSays says = FactorSays::nothing;
+PetscErrorCode try_factors(KSP ksp, PC solver, FilteredJacobian &jacobian, bool *definite) {
+  Inertia inertia = Inertia::unknown;
   bool done = false;
   PetscFunctionBeginUser;
-  PetscCall(factor(context, -multiple, &done));
-  if (done) PetscCall(ask_factor(context.snes, &says));
-  *definite = says == FactorSays::definite;
-  if (*definite) {
-    context.negative_present = false;  // the Jacobian is H now
-  } else {
-    PetscCall(factor(context, multiple, &done));
+  PetscCall(jacobian.remove_filter());
+  PetscCall(factor(solver, &done));
+  if (done) PetscCall(inertia_of_factors(ksp, &inertia));
+  *definite = inertia == Inertia::definite;
+  if (!*definite) {
+    PetscCall(jacobian.restore_filter());
+    PetscCall(factor(solver, &done));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /// @param factored the solver now holds factors of H itself
-PetscErrorCode classify(SolveContext &context, WorkVectors &work, StationaryPoint *kind,
-                        bool *factored, NegativeCurvature *found) {
-  const bool all_filtered = context.unfiltered.unfiltered() == 0;
-  const bool clamped = context.current.weight >= 0.5 && all_filtered;
-  Mat filtered = nullptr;
-  KSP ksp = nullptr;
+PetscErrorCode classify(KSP ksp, FilteredJacobian &jacobian, LineSearchState &state,
+                        SolveRecord &record, StationaryPoint *kind, bool *factored,
+                        NegativeCurvature *found) {
+  const bool clamped = jacobian.is_definite_by_construction();
+  PC solver = nullptr;
   PetscBool lagged = PETSC_FALSE;
-  FactorSays says = FactorSays::nothing;
+  Inertia inertia = Inertia::unknown;
   PetscFunctionBeginUser;
   *factored = false;
-  PetscCall(ask_factor(context.snes, &says));
-  PetscCall(SNESGetKSP(context.snes, &ksp));
+  PetscCall(KSPGetPC(ksp, &solver));
+  PetscCall(inertia_of_factors(ksp, &inertia));
   PetscCall(KSPGetReusePreconditioner(ksp, &lagged));  // then the factors are an older matrix's
-  const bool positive_solver = clamped || says == FactorSays::definite;
+  const bool positive_solver = clamped || inertia == Inertia::definite;
   *kind = StationaryPoint::unknown;
-  if (!context.negative_present) {  // the Jacobian is H itself
+  if (jacobian.is_unfiltered()) {
     if (clamped || (positive_solver && !lagged)) *kind = StationaryPoint::minimum;
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  const Phase phase = context.clock.switch_to(Phase::linear_solve);
-  if (says != FactorSays::nothing) PetscCall(try_factors(context, factored));
+  const Phase phase = record.clock.switch_to(Phase::linear_solve);
+  if (inertia != Inertia::unknown) PetscCall(try_factors(ksp, solver, jacobian, factored));
   if (*factored) {
     *kind = StationaryPoint::minimum;
   } else if (positive_solver) {
-    PetscCall(SNESGetJacobian(context.snes, nullptr, &filtered, nullptr, nullptr));
-    PetscCall(probe_curvature(context, filtered, work, kind, found));
+    PetscCall(probe_curvature(jacobian, solver, state.x, state.work, &record.verification_solves,
+                              kind, found));
   }
-  context.clock.switch_to(phase);
+  record.clock.switch_to(phase);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /// Halves steps along the negative curvature, downhill, from one as large as the deformation
-/// itself, as long as that lowers the energy.
-PetscErrorCode descend_from_saddle(SolveContext &context, const NegativeCurvature &found,
-                                   Line &line, bool *lower) {
+/// itself or the largest that the host allows, as long as that lowers the energy.
+PetscErrorCode descend_from_saddle(double energy_scale, const NegativeCurvature &found,
+                                   LineSearchState &state, bool *lower) {
   constexpr int most_halvings = 40;
-  const double noise = 8 * PETSC_MACHINE_EPSILON * std::abs(line.energy);
-  double size = context.summary.energy_scale, slope = 0, best_step = 0;
+  const double noise = 8 * PETSC_MACHINE_EPSILON * std::abs(state.energy);
+  double size = energy_scale, slope = 0, best_step = 0;
+  bool finite = false;
   PetscFunctionBeginUser;
-  if (!(size > 0)) size = std::abs(line.energy);
+  if (!(size > 0)) size = std::abs(state.energy);
   if (!(size > 0)) size = found.squared_norm;
-  PetscCall(dot(line.residual, found.direction, &slope));
-  const double sign = slope > 0 ? 1 : -1;  // minus_d points uphill
-  PetscCall(
-      VecAXPBY(line.minus_d, sign * std::sqrt(2 * size / found.squared_norm), 0, found.direction));
-  PetscCall(dot(line.residual, line.minus_d, &line.slope));
-  line.slope = -line.slope;
-  double best = line.energy - noise, step = 1;
-  for (line.trials = 1; line.trials <= most_halvings; ++line.trials, step /= 2) {
-    bool finite = false;
-    PetscCall(evaluate_trial(context, line, step, &finite));
-    const bool better = finite && line.trial_energy < best;
+  PetscCall(dot(state.residual, found.direction, &slope));
+  const double downhill = slope > 0 ? -1 : 1;
+  PetscCall(VecScale(found.direction, downhill * std::sqrt(2 * size / found.squared_norm)));
+  PetscCall(dot(state.residual, found.direction, &slope));
+  state.aim(found.direction, slope);
+  double best = state.energy - noise, step = 1;
+  PetscCall(state.f.limit_step(state.x, state.d, &step, &state.truncated));
+  for (state.trials = 1; state.trials <= most_halvings; ++state.trials, step /= 2) {
+    PetscCall(evaluate_trial(state, step, &finite));
+    const bool better = finite && state.trial_energy < best;
     if (best_step > 0 && !better) break;
     if (!better) continue;
-    best = line.trial_energy;
+    best = state.trial_energy;
     best_step = step;
   }
   *lower = best_step > 0;
-  if (*lower) {
-    bool finite = false;
-    PetscCall(evaluate_trial(context, line, best_step, &finite));
-  }
+  if (*lower) PetscCall(evaluate_trial(state, best_step, &finite));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /// Newton's own decrement, which the filtered one may fall short of by a factor of a hundred where
 /// the filter makes H stiffer: with the factors of H at hand it costs one solve. Where it says that
 /// the energy is still too far above its minimum, Newton's step is taken.
-PetscErrorCode finish_by_newton(SolveContext &context, Line &line, bool *lower) {
+PetscErrorCode finish_by_newton(const SearchOptions &search, const StopOptions &options, KSP ksp,
+                                LineSearchState &state, SolveRecord &record, bool *lower) {
   constexpr PetscInt most_trials = 20;
-  const SolverOptions &options = context.options;
-  KSP ksp = nullptr;
-  Vec filtered_direction = nullptr;
+  const Vec filtered_direction = state.d;
+  const double filtered_slope = state.slope;
+  Vec direction = nullptr;
+  double slope = 0;
   PetscFunctionBeginUser;
   *lower = false;
-  PetscCall(SNESGetKSP(context.snes, &ksp));
-  PetscCall(VecDuplicate(line.minus_d, &filtered_direction));
-  PetscCall(VecCopy(line.minus_d, filtered_direction));
-  PetscCall(KSPSolve(ksp, line.residual, line.minus_d));
-  ++context.summary.verification_solves;
-  PetscCall(dot(line.residual, line.minus_d, &line.slope));
-  line.slope = -line.slope;
-  context.summary.error_estimate = -line.slope / 2;
-  PetscCall(scale_of_energy(context, line.x, &context.summary.energy_scale));
-  if (options.energy_tolerance > 0 &&
-      context.summary.error_estimate >
-          error_over_tolerance * options.energy_tolerance * context.summary.energy_scale) {
-    PetscCall(backtrack(context, line, 1, most_trials, lower));
+  PetscCall(state.work.get(Work::newton_direction, state.x, &direction));
+  PetscCall(KSPSolve(ksp, state.residual, direction));
+  PetscCall(VecScale(direction, -1));
+  ++record.verification_solves;
+  PetscCall(dot(state.residual, direction, &slope));
+  record.error_estimate = -slope / 2;
+  PetscCall(scale_of_energy(state.f, record, state.x, &record.energy_scale));
+  if (options.energy_tolerance > 0 && record.error_estimate > error_over_tolerance *
+                                                                  options.energy_tolerance *
+                                                                  record.energy_scale) {
+    state.aim(direction, slope);
+    PetscCall(backtrack(search, state, 1, most_trials, lower));
+    if (!*lower) state.aim(filtered_direction, filtered_slope);
   }
-  if (!*lower) PetscCall(VecCopy(filtered_direction, line.minus_d));
-  PetscCall(VecDestroy(&filtered_direction));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// The solve goes on, and where it will end is not known any more.
+void go_on(SolveRecord &record, SNESConvergedReason *reason) {
+  record.end = StationaryPoint::unknown;
+  record.reason.clear();
+  *reason = SNES_CONVERGED_ITERATING;
 }
 
 /// A decrement tolerance ends a solve where it says; it turns the verification off, as it does the
 /// energy tolerance, unless the user wants it.
-bool verification_is_on(const SolverOptions &options) {
+bool verification_is_on(const StopOptions &options) {
   return options.verify_minimum && (options.verify_minimum_set || options.decrement_tolerance <= 0);
 }
 
 }  // namespace
 
-PetscErrorCode verify_minimum(SolveContext &context, Line &line, SNESConvergedReason *reason) {
+PetscErrorCode verify_minimum(const SearchOptions &search, const StopOptions &options, SNES snes,
+                              FilteredJacobian &jacobian, LineSearchState &state,
+                              SolveRecord &record, SNESConvergedReason *reason) {
   StationaryPoint kind = StationaryPoint::unknown;
   NegativeCurvature found;
-  WorkVectors work(line.x);
+  KSP ksp = nullptr;
   bool factored = false, lower = false;
   PetscFunctionBeginUser;
   *reason = SNES_CONVERGED_SNORM_RELATIVE;
-  if (!verification_is_on(context.options)) PetscFunctionReturn(PETSC_SUCCESS);
-  const bool unfiltered = !context.negative_present;
-  PetscCall(classify(context, work, &kind, &factored, &found));
-  context.summary.end = kind;
-  if (unfiltered) context.summary.error_estimate = context.current.decrement;
-  if (factored) PetscCall(finish_by_newton(context, line, &lower));
-  if (lower) {
-    context.summary.end = StationaryPoint::unknown;
-    context.summary.error_estimate = IterationRecord::none;
-    context.summary.reason.clear();
-    *reason = SNES_CONVERGED_ITERATING;
+  if (!verification_is_on(options)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(SNESGetKSP(snes, &ksp));
+  if (jacobian.is_unfiltered()) record.error_estimate = record.current.decrement;
+  PetscCall(classify(ksp, jacobian, state, record, &kind, &factored, &found));
+  record.end = kind;
+  if (factored) {
+    PetscCall(finish_by_newton(search, options, ksp, state, record, &lower));
+    if (lower) {
+      go_on(record, reason);
+      record.error_estimate = IterationRecord::none;
+    }
   }
   if (kind != StationaryPoint::saddle) PetscFunctionReturn(PETSC_SUCCESS);
-  if (context.summary.saddles_left < most_saddles) {
-    PetscCall(descend_from_saddle(context, found, line, &lower));
+  if (record.saddles_left < most_saddles) {
+    PetscCall(descend_from_saddle(record.energy_scale, found, state, &lower));
   }
   if (lower) {
-    ++context.summary.saddles_left;
-    context.summary.end = StationaryPoint::unknown;
-    context.summary.reason.clear();
-    *reason = SNES_CONVERGED_ITERATING;
+    ++record.saddles_left;
+    go_on(record, reason);
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(stay(context, line));
-  context.summary.reason =
+  PetscCall(stay(state));
+  record.reason =
       "a stationary point that is no minimum: the Hessian has negative curvature there, but no "
       "step along it that decreases the energy was found";
   *reason = SNES_DIVERGED_LOCAL_MIN;

@@ -1,68 +1,208 @@
 // The functions of trefoil.h that set up and ask an SNES, see their comments there.
 
-#include "snes/solve_context.hpp"
+#include "snes/solver.hpp"
 #include "support/petsc_compatibility.hpp"
 
-using trefoil::SolveContext;
+using trefoil::Solver;
+using trefoil::SolverOptions;
 
 PetscErrorCode TrefoilSNESSetSplitJacobian(SNES snes, Mat H, TrefoilSplitJacobianFunction function,
                                            void *ctx) {
-  SolveContext *context = nullptr;
+  Solver *solver = nullptr;
   PetscFunctionBegin;
   PetscCall(TrefoilInitializePackage());
-  PetscCall(trefoil::get_solve_context(snes, &context));
-  context->split_jacobian = function;
-  context->split_jacobian_context = ctx;
-  PetscCall(trefoil::set_split_jacobian(*context, H));
+  PetscCall(trefoil::get_solver(snes, &solver));
+  solver->split_jacobian = {{function, ctx}, 0};
+  PetscCall(trefoil::install_split_jacobian(*solver, H));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode TrefoilSNESSetSplitCapabilities(SNES snes, int capabilities) {
+  Solver *solver = nullptr;
+  PetscFunctionBegin;
+  PetscCall(trefoil::get_solver(snes, &solver));
+  PetscCheck(solver->split_jacobian, PetscObjectComm(reinterpret_cast<PetscObject>(snes)),
+             PETSC_ERR_ORDER, "call TrefoilSNESSetSplitJacobian() first");
+  solver->split_jacobian.capabilities = capabilities;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode TrefoilSNESGetEigenvalueFloor(SNES snes, PetscReal *share, PetscReal *weight) {
+  Solver *solver = nullptr;
+  PetscFunctionBegin;
+  PetscCall(trefoil::get_solver(snes, &solver));
+  const trefoil::EigenvalueFloor floor = solver->floor(solver->record.current.weight);
+  *share = floor.share;
+  *weight = floor.weight;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode TrefoilSNESSetEnergyScale(SNES snes, TrefoilEnergyScaleFunction function,
                                          void *ctx) {
-  SolveContext *context = nullptr;
+  Solver *solver = nullptr;
   PetscFunctionBegin;
-  PetscCall(trefoil::get_solve_context(snes, &context));
-  context->energy_scale = function;
-  context->energy_scale_context = ctx;
+  PetscCall(trefoil::get_solver(snes, &solver));
+  solver->energy.scale_callback = {function, ctx};
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode TrefoilSNESSetEnergyOffset(SNES snes, PetscReal offset) {
-  SolveContext *context = nullptr;
+  Solver *solver = nullptr;
   PetscFunctionBegin;
-  PetscCheck(!PetscIsInfOrNanReal(offset),
-             PetscObjectComm(reinterpret_cast<PetscObject>(snes)), PETSC_ERR_ARG_OUTOFRANGE,
-             "the energy offset is %g and must be finite", offset);
-  PetscCall(trefoil::get_solve_context(snes, &context));
-  context->energy_offset = offset;
+  PetscCheck(!PetscIsInfOrNanReal(offset), PetscObjectComm(reinterpret_cast<PetscObject>(snes)),
+             PETSC_ERR_ARG_OUTOFRANGE, "the energy offset is %g and must be finite", offset);
+  PetscCall(trefoil::get_solver(snes, &solver));
+  solver->energy.offset = offset;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode TrefoilSNESSetEnergyChanges(SNES snes, TrefoilEnergyChangesFunction function,
                                            void *ctx) {
-  SolveContext *context = nullptr;
+  Solver *solver = nullptr;
   PetscFunctionBegin;
-  PetscCall(trefoil::get_solve_context(snes, &context));
-  context->energy_changes = function;
-  context->energy_changes_context = ctx;
+  PetscCall(trefoil::get_solver(snes, &solver));
+  solver->energy.changes_callback = {function, ctx};
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode TrefoilSNESSetMaxStep(SNES snes, TrefoilMaxStepFunction function, void *ctx) {
+  Solver *solver = nullptr;
+  PetscFunctionBegin;
+  PetscCall(trefoil::get_solver(snes, &solver));
+  solver->energy.max_step_callback = {function, ctx};
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Takes changed options over, where they make sense.
+template <class Change>
+static PetscErrorCode change_options(SNES snes, Change change) {
+  Solver *solver = nullptr;
+  PetscFunctionBegin;
+  PetscCall(trefoil::get_solver(snes, &solver));
+  SolverOptions changed = solver->options;
+  change(changed);
+  PetscCall(trefoil::check_options(snes, changed));
+  solver->options = changed;
+  PetscCall(solver->make_rule());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode TrefoilSNESSetFilter(SNES snes, const char name[]) {
+  PetscFunctionBegin;
+  PetscCall(change_options(snes, [=](SolverOptions &options) { options.filter = name; }));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode TrefoilSNESSetRhoTolerance(SNES snes, PetscReal tolerance) {
+  PetscFunctionBegin;
+  PetscCall(change_options(
+      snes, [=](SolverOptions &options) { options.rule.rho_tolerance = tolerance; }));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode TrefoilSNESSetConstantWeight(SNES snes, PetscReal weight) {
+  PetscFunctionBegin;
+  PetscCall(change_options(snes, [=](SolverOptions &options) { options.rule.weight = weight; }));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode TrefoilSNESSetSearch(SNES snes, TrefoilSearch search) {
+  PetscFunctionBegin;
+  PetscCall(change_options(snes, [=](SolverOptions &options) { options.search.kind = search; }));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode TrefoilSNESSetTrustStart(SNES snes, PetscBool trust) {
+  PetscFunctionBegin;
+  PetscCall(change_options(
+      snes, [=](SolverOptions &options) { options.search.trust_start = trust == PETSC_TRUE; }));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode TrefoilSNESSetTolerances(SNES snes, PetscReal decrement, PetscReal energy) {
+  constexpr auto keep = static_cast<PetscReal>(PETSC_DEFAULT);
+  PetscFunctionBegin;
+  PetscCall(change_options(snes, [=](SolverOptions &options) {
+    if (decrement != keep) options.stop.decrement_tolerance = decrement;
+    if (energy != keep) options.stop.energy_tolerance = energy;
+    options.stop.energy_tolerance_set = options.stop.energy_tolerance_set || energy != keep;
+  }));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode TrefoilSNESSetVerifyMinimum(SNES snes, PetscBool verify) {
+  PetscFunctionBegin;
+  PetscCall(change_options(
+      snes, [=](SolverOptions &options) { options.stop.verify_minimum = verify == PETSC_TRUE; }));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode TrefoilSNESSetMonitor(SNES snes, PetscBool on) {
+  PetscFunctionBegin;
+  PetscCall(
+      change_options(snes, [=](SolverOptions &options) { options.monitor = on == PETSC_TRUE; }));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode TrefoilSNESSetRecordFile(SNES snes, const char path[]) {
+  PetscFunctionBegin;
+  PetscCall(change_options(snes, [=](SolverOptions &options) { options.record_file = path; }));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode TrefoilSNESSetFromOptions(SNES snes) {
+  Solver *solver = nullptr;
+  PetscFunctionBegin;
+  PetscCall(trefoil::get_solver(snes, &solver));
+  PetscCall(solver->set_from_options());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode TrefoilSNESJacobianMayBeIndefinite(SNES snes, PetscBool *may) {
+  Solver *solver = nullptr;
+  bool driven = false;
+  PetscFunctionBegin;
+  PetscCall(trefoil::get_solver(snes, &solver));
+  PetscCall(trefoil::is_driven(snes, &driven));
+  *may = driven && solver->rule->least_weight() >= 0.5 ? PETSC_FALSE : PETSC_TRUE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode TrefoilSNESSetHeadStart(SNES snes, PetscReal seconds) {
+  Solver *solver = nullptr;
+  PetscFunctionBegin;
+  PetscCall(trefoil::get_solver(snes, &solver));
+  solver->record.head_start = seconds;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode TrefoilSNESEndSolve(SNES snes, SNESConvergedReason converged_reason,
+                                   const char reason[]) {
+  Solver *solver = nullptr;
+  PetscFunctionBegin;
+  PetscCall(trefoil::get_solver(snes, &solver));
+  solver->record.reason = reason;
+  PetscCall(SNESSetConvergedReason(snes, converged_reason));
+  PetscCall(solver->end_solve());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode TrefoilSNESGetWeight(SNES snes, PetscReal *weight) {
-  SolveContext *context = nullptr;
+  Solver *solver = nullptr;
   PetscFunctionBegin;
-  PetscCall(trefoil::get_solve_context(snes, &context));
-  *weight = context->current.weight;
+  PetscCall(trefoil::get_solver(snes, &solver));
+  *weight = solver->record.current.weight;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode TrefoilSNESGetTrustRegionRatio(SNES snes, PetscReal *rho) {
-  SolveContext *context = nullptr;
+  Solver *solver = nullptr;
   PetscFunctionBegin;
-  PetscCall(trefoil::get_solve_context(snes, &context));
+  PetscCall(trefoil::get_solver(snes, &solver));
+  const auto &history = solver->record.history;
   *rho = trefoil::IterationRecord::none;
   // A last entry without a step closes the history; the ratio belongs to the step before it.
-  for (auto entry = context->history.rbegin(); entry != context->history.rend(); ++entry) {
+  for (auto entry = history.rbegin(); entry != history.rend(); ++entry) {
     if (entry->step == 0) continue;
     *rho = entry->rho;
     break;
@@ -71,9 +211,9 @@ PetscErrorCode TrefoilSNESGetTrustRegionRatio(SNES snes, PetscReal *rho) {
 }
 
 PetscErrorCode TrefoilSNESGetRecord(SNES snes, const char **json) {
-  SolveContext *context = nullptr;
+  Solver *solver = nullptr;
   PetscFunctionBegin;
-  PetscCall(trefoil::get_solve_context(snes, &context));
-  *json = context->record.c_str();
+  PetscCall(trefoil::get_solver(snes, &solver));
+  *json = solver->json.c_str();
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,10 +1,9 @@
-#include <petsc/private/snesimpl.h>
-#include <petscdm.h>
+#include "snes/host_jacobian.hpp"
 
-#include <sstream>
+#include <petsc/private/snesimpl.h>
 
 #include "filter/filter.hpp"
-#include "snes/solve_context.hpp"
+#include "snes/field_selection.hpp"
 #include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
@@ -15,14 +14,13 @@ constexpr const char *way_out =
     "callback with TrefoilSNESSetSplitJacobian(); -snes_trefoil_strict false goes on unfiltered";
 
 /// A matrix without entries has no element blocks either.
-PetscErrorCode refuse_matrix_free(SolveContext &context, Mat J, Mat H) {
+PetscErrorCode refuse_matrix_free(Mat J, Mat H) {
   PetscFunctionBegin;
   for (Mat matrix : {J, H}) {
     PetscBool free = PETSC_FALSE;
     PetscCall(PetscObjectTypeCompareAny(reinterpret_cast<PetscObject>(matrix), &free, MATMFFD,
                                         MATSHELL, ""));
-    PetscCheck(!free || !context.options.strict,
-               PetscObjectComm(reinterpret_cast<PetscObject>(context.snes)), PETSC_ERR_SUP,
+    PetscCheck(!free, PetscObjectComm(reinterpret_cast<PetscObject>(matrix)), PETSC_ERR_SUP,
                "the Jacobian is matrix-free (type %s), which the filter cannot see into: assemble "
                "it, or -snes_trefoil_strict false goes on unfiltered",
                reinterpret_cast<PetscObject>(matrix)->type_name);
@@ -31,9 +29,8 @@ PetscErrorCode refuse_matrix_free(SolveContext &context, Mat J, Mat H) {
 }
 
 /// What no filter can do anything about, said on all ranks in one sentence with the way out.
-PetscErrorCode refuse_unfiltered(SolveContext &context, const InsertionCounts &counts) {
-  const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(context.snes));
-  PetscErrorCode (*host)(SNES, Vec, Mat, Mat, void *) = context.host_jacobian;
+PetscErrorCode refuse_unfiltered(MPI_Comm comm, HostJacobian::Function host,
+                                 const InsertionCounts &counts) {
   PetscFunctionBegin;
   PetscCheck(host != SNESComputeJacobianDefault && host != SNESComputeJacobianDefaultColor, comm,
              PETSC_ERR_SUP,
@@ -72,122 +69,76 @@ PetscErrorCode refuse_unfiltered(SolveContext &context, const InsertionCounts &c
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// Marks the unknowns of the fields that -snes_trefoil_fields names, by the DM's own division.
-PetscErrorCode find_fields(SolveContext &context, Vec x) {
-  const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(context.snes));
+}  // namespace
+
+HostJacobian::~HostJacobian() {
+  // Errors, if any, have nowhere to go from a destructor; PETSc has printed them.
+  FilteredJacobian none;
+  static_cast<void>(release(none));
+  static_cast<void>(PetscObjectDereference(context_keeper_));
+}
+
+PetscErrorCode HostJacobian::take_over(SNES snes, Function function, void *context) {
   DM dm = nullptr;
-  PetscInt count = 0, size = 0;
-  char **names = nullptr;
-  IS *unknowns = nullptr;
+  DMSNES problem = nullptr;
   PetscFunctionBegin;
-  if (context.options.fields.empty()) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(SNESGetDM(context.snes, &dm));
-  PetscCall(DMCreateFieldDecomposition(dm, &count, &names, &unknowns, nullptr));
-  PetscCall(VecGetSize(x, &size));
-  context.in_field.assign(static_cast<std::size_t>(size), 0);
-  std::istringstream wanted(context.options.fields);
-  std::string missing;
-  for (std::string name; std::getline(wanted, name, ',');) {
-    bool found = false;
-    for (PetscInt f = 0; f < count; ++f) {
-      if (name != std::to_string(f) && (!names || name != names[f])) continue;
-      IS all = nullptr;
-      const PetscInt *number = nullptr;
-      PetscInt length = 0;
-      found = true;
-      PetscCall(ISAllGather(unknowns[f], &all));
-      PetscCall(ISGetLocalSize(all, &length));
-      PetscCall(ISGetIndices(all, &number));
-      for (PetscInt i = 0; i < length; ++i) {
-        context.in_field[static_cast<std::size_t>(number[i])] = 1;
-      }
-      PetscCall(ISRestoreIndices(all, &number));
-      PetscCall(ISDestroy(&all));
-    }
-    if (!found) missing = name;
-  }
-  std::string known;
-  for (PetscInt f = 0; f < count; ++f) {
-    known += (f ? ", " : "") + std::string(names ? names[f] : std::to_string(f));
-    if (names) PetscCall(PetscFree(names[f]));
-    PetscCall(ISDestroy(&unknowns[f]));
-  }
-  PetscCall(PetscFree(names));
-  PetscCall(PetscFree(unknowns));
-  PetscCheck(missing.empty(), comm, PETSC_ERR_USER_INPUT,
-             "-snes_trefoil_fields names the field '%s', which the SNES's DM does not have; its "
-             "fields are: %s",
-             missing.c_str(), count ? known.c_str() : "none");
+  PetscCall(SNESGetDM(snes, &dm));
+  PetscCall(DMGetDMSNES(dm, &problem));
+  auto keeper = reinterpret_cast<PetscObject>(problem->jacobianctxcontainer);
+  PetscCall(PetscObjectReference(keeper));
+  PetscCall(PetscObjectDereference(context_keeper_));
+  context_keeper_ = keeper;
+  function_ = function;
+  context_ = context;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode HostJacobian::release(FilteredJacobian &jacobian) {
+  PetscFunctionBegin;
+  if (!watched_) PetscFunctionReturn(PETSC_SUCCESS);
+  const ElementHook *hook = ElementHook::find(watched_);
+  if (hook && !hook->always_active()) PetscCall(ElementHook::detach(watched_));
+  PetscCall(MatDestroy(&watched_));
+  PetscCall(jacobian.forget_negative());
+  in_field_.clear();
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /// Goes over to another Mat when the host has one: after SNESReset(), or with another mesh.
-PetscErrorCode watch_matrix(SolveContext &context, Vec x, Mat H, ElementHook **hook) {
+PetscErrorCode HostJacobian::watch(SNES snes, Vec x, Mat H, const std::string &fields,
+                                   FilteredJacobian &jacobian, ElementHook **hook) {
   PetscFunctionBegin;
-  if (context.watched != H) {
-    PetscCall(release_host_matrix(context));
+  if (watched_ != H) {
+    PetscCall(release(jacobian));
     PetscCall(PetscObjectReference(reinterpret_cast<PetscObject>(H)));
-    context.watched = H;
-    PetscCall(find_fields(context, x));
+    watched_ = H;
+    if (!fields.empty()) PetscCall(select_fields(snes, x, fields, &in_field_));
   }
   PetscCall(ElementHook::attach(H, hook));
-  PetscCheck(!(*hook)->always_active() || context.in_field.empty(),
+  PetscCheck(!(*hook)->always_active() || in_field_.empty(),
              PetscObjectComm(reinterpret_cast<PetscObject>(H)), PETSC_ERR_SUP,
              "-snes_trefoil_fields needs the elements added in the Jacobian callback, not with "
              "TrefoilMatAttach()");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-}  // namespace
-
-PetscErrorCode release_host_matrix(SolveContext &context) {
-  PetscFunctionBegin;
-  if (!context.watched) PetscFunctionReturn(PETSC_SUCCESS);
-  const ElementHook *hook = ElementHook::find(context.watched);
-  if (hook && !hook->always_active()) PetscCall(ElementHook::detach(context.watched));
-  PetscCall(MatDestroy(&context.watched));
-  PetscCall(MatDestroy(&context.negative));
-  context.in_field.clear();
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode keep_host_context(SolveContext &context) {
-  DM dm = nullptr;
-  DMSNES problem = nullptr;
-  PetscFunctionBegin;
-  PetscCall(SNESGetDM(context.snes, &dm));
-  PetscCall(DMGetDMSNES(dm, &problem));
-  auto keeper = reinterpret_cast<PetscObject>(problem->jacobianctxcontainer);
-  PetscCall(PetscObjectReference(keeper));
-  PetscCall(PetscObjectDereference(context.host_context_keeper));
-  context.host_context_keeper = keeper;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode watch_host_jacobian(SolveContext &context, Vec x, Mat J, Mat H, bool filtered,
-                                   InsertionCounts *counts, double *filter_seconds) {
+PetscErrorCode HostJacobian::compute_watched(SNES snes, Vec x, Mat J, Mat H,
+                                             const std::string &fields, bool strict,
+                                             const EigenvalueFloor &floor,
+                                             FilteredJacobian &jacobian, InsertionCounts *counts,
+                                             double *filter_seconds) {
+  const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(snes));
   ElementHook *hook = nullptr;
   PetscFunctionBegin;
-  if (!filtered) {
-    PetscCall(context.host_jacobian(context.snes, x, J, H, context.host_jacobian_context));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  PetscCall(refuse_matrix_free(context, J, H));
-  PetscCall(watch_matrix(context, x, H, &hook));
-  hook->set_floor(eigenvalue_floor(context));
-  PetscCall(hook->begin(context.negative, context.in_field.empty() ? nullptr : &context.in_field));
-  PetscCall(context.host_jacobian(context.snes, x, J, H, context.host_jacobian_context));
+  if (strict) PetscCall(refuse_matrix_free(J, H));
+  PetscCall(watch(snes, x, H, fields, jacobian, &hook));
+  hook->set_floor(floor);
+  PetscCall(hook->begin(jacobian.negative(), in_field_.empty() ? nullptr : &in_field_));
+  PetscCall(compute(snes, x, J, H));
   hook = ElementHook::find(H);
-  PetscCheck(hook, PetscObjectComm(reinterpret_cast<PetscObject>(H)), PETSC_ERR_ORDER,
-             "the Jacobian callback has taken the hook off its Mat");
-  PetscCall(hook->end(H, &context.negative, counts, filter_seconds));
-  if (context.options.strict) PetscCall(refuse_unfiltered(context, *counts));
-  context.unfiltered.rectangular += counts->rectangular;
-  context.unfiltered.partial += counts->partial;
-  context.unfiltered.too_large += counts->too_large;
-  context.unfiltered.nonsymmetric += counts->nonsymmetric;
-  context.unfiltered.saddle += counts->saddle;
-  context.unfiltered.not_finite += counts->not_finite;
+  PetscCheck(hook, comm, PETSC_ERR_ORDER, "the Jacobian callback has taken the hook off its Mat");
+  PetscCall(hook->end(H, jacobian.place_of_negative(), counts, filter_seconds));
+  if (strict) PetscCall(refuse_unfiltered(comm, function_, *counts));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

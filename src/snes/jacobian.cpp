@@ -2,195 +2,207 @@
 
 #include <cmath>
 
-#include "hook/matrix_operations.hpp"
-#include "snes/solve_context.hpp"
+#include "snes/solver.hpp"
+#include "support/log_events.hpp"
 #include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
 namespace {
 
-/// Whether our line search, and thus the rule, drives this SNES.
-PetscErrorCode is_driven(SNES snes, bool *driven) {
-  PetscBool newton = PETSC_FALSE, ours = PETSC_FALSE;
-  PetscFunctionBeginUser;
-  PetscCall(PetscObjectTypeCompareAny(reinterpret_cast<PetscObject>(snes), &newton, SNESNEWTONLS,
-                                      SNESTREFOIL, ""));
-  if (newton) {
-    SNESLineSearch search = nullptr;
-    PetscCall(SNESGetLineSearch(snes, &search));
-    PetscCall(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(search), SNESLINESEARCHTREFOIL,
-                                     &ours));
-  }
-  *driven = ours == PETSC_TRUE;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode after_linear_solve(KSP ksp, Vec, Vec, void *ctx) {
-  auto &context = *static_cast<SolveContext *>(ctx);
+  auto &record = *static_cast<SolveRecord *>(ctx);
   PetscInt iterations = 0;
   PetscFunctionBeginUser;
   PetscCall(KSPGetIterationNumber(ksp, &iterations));
-  context.current.linear_iterations = static_cast<int>(iterations);
-  context.clock.switch_to(Phase::other);
+  record.current.linear_iterations = static_cast<int>(iterations);
+  record.clock.switch_to(Phase::other);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /// Where another method of PETSc drives, its iterations are recorded from here, so that a record
 /// compares the two: the energy is the SNES's objective, the step its line search's last one.
-PetscErrorCode record_foreign_iteration(SolveContext &context, Vec x) {
+PetscErrorCode record_foreign_iteration(Solver &solver, Vec x) {
+  SolveRecord &record = solver.record;
+  IterationRecord &current = record.current;
   KSP ksp = nullptr;
   Vec residual = nullptr;
-  IterationRecord &current = context.current;
-  const double seconds = context.head_start + context.clock.elapsed();
+  const double seconds = record.seconds();
   PetscFunctionBeginUser;
   if (current.k > 0) {
     SNESLineSearch search = nullptr;
     PetscReal step = 0;
-    PetscCall(SNESGetLineSearch(context.snes, &search));
+    PetscCall(SNESGetLineSearch(solver.snes, &search));
     PetscCall(SNESLineSearchGetLambda(search, &step));
-    context.history.back().linear_iterations = current.linear_iterations;
-    context.history.back().step = step;
-    PetscCall(monitor_iteration(context, context.history.back()));
+    IterationRecord last = record.history.back();
+    record.history.pop_back();
+    last.linear_iterations = current.linear_iterations;
+    last.step = step;
+    PetscCall(solver.close_iteration(last));
   }
-  PetscCall(energy_at(context, x, &current.energy));
-  PetscCall(SNESGetFunction(context.snes, &residual, nullptr, nullptr));
+  PetscCall(solver.energy.at(x, &current.energy));
+  PetscCall(SNESGetFunction(solver.snes, &residual, nullptr, nullptr));
   PetscCall(VecNorm(residual, NORM_2, &current.gradient_norm));
-  current.linear_solves = context.summary.linear_solves + 1;  // with the one to come
+  current.linear_solves = record.linear_solves + 1;  // with the one to come
   current.seconds = seconds;
   current.indefinite = IterationRecord::none;
-  context.history.push_back(current);
-  PetscCall(SNESGetKSP(context.snes, &ksp));
-  PetscCall(KSPSetPostSolve(ksp, after_linear_solve, &context));
+  record.history.push_back(current);
+  PetscCall(SNESGetKSP(solver.snes, &ksp));
+  PetscCall(KSPSetPostSolve(ksp, after_linear_solve, &record));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// The rule's weight for the iteration that begins; 0 where somebody else drives.
-double choose_weight(SolveContext &context) {
-  if (!context.driven) return 0;
-  if (context.instead_of_rejected) return *context.instead_of_rejected;
-  return context.history.empty() ? context.rule->first()
-                                 : context.rule->next(context.history.back());
+/// The weight of the Jacobian to be made: the rule's, from the last step that it may learn from; 0
+/// where somebody else drives.
+PetscErrorCode choose_weight(Solver &solver, double *weight) {
+  const IterationRecord *lesson = solver.record.last_lesson();
+  PetscFunctionBeginUser;
+  *weight = 0;
+  if (!solver.driven) PetscFunctionReturn(PETSC_SUCCESS);
+  if (solver.jacobian.imposed_weight) {
+    *weight = *solver.jacobian.imposed_weight;
+  } else {
+    *weight = lesson ? solver.rule->next(*lesson) : solver.rule->first();
+    PetscCall(static_cast<PetscErrorCode>(solver.rule->error()));
+  }
+  PetscCheck(*weight >= 0 && std::isfinite(*weight),
+             PetscObjectComm(reinterpret_cast<PetscObject>(solver.snes)), PETSC_ERR_ARG_OUTOFRANGE,
+             "rule '%s' chose the weight %g, which must be finite and not negative",
+             solver.options.filter.c_str(), *weight);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Refuses what the options ask of a callback that cannot do it.
+PetscErrorCode check_capabilities(MPI_Comm comm, const SolverOptions &options,
+                                  const SplitJacobian &split, const EigenvalueFloor &floor) {
+  const bool whole_elements = options.space == TREFOIL_SPACE_ELEMENT;
+  const bool obeys_floor = !split || (split.capabilities & TREFOIL_SPLIT_FLOOR);
+  PetscFunctionBeginUser;
+  PetscCheck(whole_elements || (split.capabilities & TREFOIL_SPLIT_DEFORMATION), comm,
+             PETSC_ERR_USER_INPUT,
+             "-snes_trefoil_space deformation filters at quadrature points, which are not to be "
+             "seen in whole element matrices; use -snes_trefoil_space element");
+  PetscCheck(
+      floor.share == 0 || (whole_elements && obeys_floor), comm, PETSC_ERR_USER_INPUT,
+      "-snes_trefoil_filter %s keeps eigenvalues above %g of an element's largest "
+      "(-snes_trefoil_floor), in whole element matrices that Trefoil splits; with "
+      "-snes_trefoil_space deformation or split callbacks of your own use another filter, or "
+      "-snes_trefoil_floor 0",
+      options.filter.c_str(), floor.share);
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /// H and N from a split callback, which knows its elements.
-PetscErrorCode split_jacobian(SolveContext &context, Vec x, Mat H, bool filtered,
-                              InsertionCounts *counts, double *filter_seconds) {
+PetscErrorCode compute_split(Solver &solver, Vec x, Mat H, bool filtered, InsertionCounts *counts,
+                             double *filter_seconds) {
+  const SplitJacobian &split = solver.split_jacobian;
+  Mat *const negative = filtered ? solver.jacobian.place_of_negative() : nullptr;
   TrefoilSplitStatistics mine{};
   PetscFunctionBeginUser;
-  PetscCall(context.split_jacobian(context.snes, x, H, filtered ? &context.negative : nullptr,
-                                   &mine, context.split_jacobian_context));
+  PetscCall(split.function(solver.snes, x, H, negative, &mine, split.context));
   PetscInt64 sums[2] = {mine.elements, mine.indefinite};
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sums, 2, MPIU_INT64, MPI_SUM,
-                             PetscObjectComm(reinterpret_cast<PetscObject>(context.snes))));
+                             PetscObjectComm(reinterpret_cast<PetscObject>(solver.snes))));
   counts->elements = sums[0];
   counts->indefinite = sums[1];
   *filter_seconds = mine.filter_seconds;
-  // Direct solvers may then use Cholesky factors; set after assembly, or PETSc forgets it.
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Direct solvers may then use Cholesky factors; said after assembly, or PETSc forgets it.
+PetscErrorCode say_symmetric(const Solver &solver, Mat H) {
+  PetscFunctionBeginUser;
   PetscCall(MatSetOption(H, MAT_SYMMETRIC, PETSC_TRUE));
   // MUMPS keeps to what the first matrix was: a rule that may meet indefinite ones never says SPD.
-  const bool definite = context.current.weight >= 0.5 && !context.rule->may_be_rejected();
+  const bool definite =
+      solver.jacobian.is_definite_by_construction() && !solver.rule->may_be_rejected();
   PetscCall(MatSetOption(H, MAT_SPD, definite ? PETSC_TRUE : PETSC_FALSE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// Adds 2 w N to the assembled H, in place; N has H's nonzero pattern, whoever made it.
-PetscErrorCode add_negative_part(SolveContext &context, Mat H, bool filtered,
-                                 PetscInt64 indefinite) {
+/// Assembles H and N, by whichever callback there is, and forms H + 2 w N.
+PetscErrorCode assemble(Solver &solver, Vec x, Mat J, Mat H, double weight) {
+  const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(solver.snes));
+  const SolverOptions &options = solver.options;
+  const bool filtered = weight != 0;
+  const EigenvalueFloor floor = solver.floor(weight);
+  InsertionCounts counts;
+  double filter_seconds = 0;
   PetscFunctionBeginUser;
-  context.negative_present = filtered && context.negative && indefinite > 0;
-  if (context.negative_present) {
-    PetscCall(add_multiple(H, 2 * context.current.weight, context.negative));
+  if (filtered) PetscCall(check_capabilities(comm, options, solver.split_jacobian, floor));
+  solver.record.clock.switch_to(Phase::assembly);
+  PetscCall(PetscLogEventBegin(event_assembly, solver.snes, x, H, nullptr));
+  if (solver.split_jacobian) {
+    PetscCall(compute_split(solver, x, H, filtered, &counts, &filter_seconds));
+  } else if (filtered) {
+    PetscCall(solver.host_jacobian.compute_watched(solver.snes, x, J, H, options.fields,
+                                                   options.strict, floor, solver.jacobian, &counts,
+                                                   &filter_seconds));
+  } else {
+    PetscCall(solver.host_jacobian.compute(solver.snes, x, J, H));
   }
+  PetscCall(solver.jacobian.form(H, weight, filtered, counts));
+  if (solver.split_jacobian) PetscCall(say_symmetric(solver, H));
+  PetscCall(PetscLogEventEnd(event_assembly, solver.snes, x, H, nullptr));
+  PetscCallMPI(MPI_Barrier(comm));  // or waiting for each other would count as solving, too
+  solver.record.clock.switch_to(Phase::linear_solve);
+  solver.record.clock.move(Phase::assembly, Phase::filter, filter_seconds);
+  const auto elements = static_cast<double>(counts.elements);
+  solver.record.current.indefinite = !filtered ? IterationRecord::none
+                                     : elements > 0
+                                         ? static_cast<double>(counts.indefinite) / elements
+                                         : 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /// SNES's Jacobian callback: asks the rule for w, the split callback or the host's own, watched,
 /// for H and N, and forms H + 2 w N.
 PetscErrorCode compute_filtered_jacobian(SNES snes, Vec x, Mat J, Mat H, void *ctx) {
-  auto &context = *static_cast<SolveContext *>(ctx);
-  IterationRecord &current = context.current;
-  const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(snes));
-  InsertionCounts counts;
+  auto &solver = *static_cast<Solver *>(ctx);
+  SolveRecord &record = solver.record;
+  const bool again = solver.jacobian.imposed_weight.has_value();
   PetscInt iteration = 0;
-  double filter_seconds = 0;
-
   PetscFunctionBeginUser;
   PetscCall(SNESGetIterationNumber(snes, &iteration));
   // A solve that ended in an error has not said so.
-  const bool again = context.instead_of_rejected.has_value();
-  if (iteration == 0 && !again && !context.history.empty()) context.running = false;
-  PetscCall(begin_solve(context));
-  context.clock.switch_to(Phase::assembly);
-  PetscCall(is_driven(snes, &context.driven));
-  current.k = static_cast<int>(iteration);
-  current.weight = choose_weight(context);
-  PetscCheck(current.weight >= 0 && std::isfinite(current.weight), comm, PETSC_ERR_ARG_OUTOFRANGE,
-             "rule '%s' chose the weight %g, which must be finite and not negative",
-             context.options.filter.c_str(), current.weight);
-  if (!context.driven && context.split_jacobian) PetscCall(record_foreign_iteration(context, x));
-  const bool filtered = current.weight != 0;
-  PetscCheck(!filtered || context.options.space == "element" || context.splits_deformation, comm,
-             PETSC_ERR_USER_INPUT,
-             "-snes_trefoil_space deformation filters at quadrature points, which are not to be "
-             "seen in whole element matrices; use -snes_trefoil_space element");
-
-  PetscCheck(
-      !filtered || eigenvalue_floor(context).share == 0 ||
-          (context.options.space == "element" && (!context.split_jacobian || context.obeys_floor)),
-      comm, PETSC_ERR_USER_INPUT,
-      "-snes_trefoil_filter %s keeps eigenvalues above %g of an element's largest "
-      "(-snes_trefoil_floor), in whole element matrices that Trefoil splits; with "
-      "-snes_trefoil_space deformation or split callbacks of your own use another filter, or "
-      "-snes_trefoil_floor 0",
-      context.options.filter.c_str(), eigenvalue_floor(context).share);
-
-  context.clock.switch_to(Phase::assembly);
-  PetscCall(PetscLogEventBegin(event_assembly, snes, x, H, nullptr));
-  if (context.split_jacobian) {
-    PetscCall(split_jacobian(context, x, H, filtered, &counts, &filter_seconds));
-  } else {
-    PetscCall(watch_host_jacobian(context, x, J, H, filtered, &counts, &filter_seconds));
-  }
-  current.indefinite = !filtered         ? IterationRecord::none
-                       : counts.elements ? static_cast<double>(counts.indefinite) /
-                                               static_cast<double>(counts.elements)
-                                         : 0;
-  context.elements = counts.elements;
-  PetscCall(add_negative_part(context, H, filtered, counts.indefinite));
-  PetscCall(PetscLogEventEnd(event_assembly, snes, x, H, nullptr));
-  PetscCallMPI(MPI_Barrier(comm));  // or waiting for each other would count as solving, too
-  context.clock.switch_to(Phase::linear_solve);
-  context.clock.move(Phase::assembly, Phase::filter, filter_seconds);
+  if (iteration == 0 && !again && !record.history.empty()) record.running = false;
+  PetscCall(solver.begin_solve());
+  record.clock.switch_to(Phase::assembly);
+  PetscCall(is_driven(snes, &solver.driven));
+  PetscCheck(solver.driven || !solver.energy.max_step_callback,
+             PetscObjectComm(reinterpret_cast<PetscObject>(snes)), PETSC_ERR_SUP,
+             "this solver knows no largest step (TrefoilSNESSetMaxStep()): use -snes_type trefoil");
+  record.current.k = static_cast<int>(iteration);
+  PetscCall(choose_weight(solver, &record.current.weight));
+  if (!solver.driven && solver.split_jacobian) PetscCall(record_foreign_iteration(solver, x));
+  PetscCall(assemble(solver, x, J, H, record.current.weight));
   if (!again) {
-    ++context.summary.iterations;
-    context.jacobian_is_new = true;
+    ++record.iterations;
+    solver.jacobian_is_new = true;
   }
-  ++context.summary.linear_solves;
+  ++record.linear_solves;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 }  // namespace
 
-PetscErrorCode install_jacobian(SolveContext &context) {
+PetscErrorCode install_jacobian(Solver &solver) {
   PetscErrorCode (*present)(SNES, Vec, Mat, Mat, void *) = nullptr;
   Mat J = nullptr, H = nullptr;
-  void *present_context = nullptr;
+  void *context = nullptr;
   PetscFunctionBeginUser;
-  PetscCall(SNESGetJacobian(context.snes, &J, &H, &present, &present_context));
+  PetscCall(SNESGetJacobian(solver.snes, &J, &H, &present, &context));
   if (!present || present == compute_filtered_jacobian) PetscFunctionReturn(PETSC_SUCCESS);
   // A host's callback set after a split one replaces it, as SNESSetJacobian() promises.
-  context.split_jacobian = nullptr;
-  context.host_jacobian = present;
-  context.host_jacobian_context = present_context;
-  PetscCall(keep_host_context(context));
-  PetscCall(SNESSetJacobian(context.snes, J, H, compute_filtered_jacobian, &context));
+  solver.split_jacobian = {};
+  PetscCall(solver.host_jacobian.take_over(solver.snes, present, context));
+  PetscCall(SNESSetJacobian(solver.snes, J, H, compute_filtered_jacobian, &solver));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode set_split_jacobian(SolveContext &context, Mat H) {
+PetscErrorCode install_split_jacobian(Solver &solver, Mat H) {
   PetscFunctionBeginUser;
-  PetscCall(MatDestroy(&context.negative));
-  PetscCall(SNESSetJacobian(context.snes, H, H, compute_filtered_jacobian, &context));
+  PetscCall(solver.jacobian.forget_negative());
+  PetscCall(SNESSetJacobian(solver.snes, H, H, compute_filtered_jacobian, &solver));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

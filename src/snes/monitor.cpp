@@ -1,15 +1,15 @@
+#include "snes/monitor.hpp"
+
 #include <cmath>
 #include <cstdio>
 
-#include "snes/solve_context.hpp"
 #include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
 
-PetscErrorCode monitor_iteration(const SolveContext &context, const IterationRecord &iteration) {
+PetscErrorCode print_iteration(MPI_Comm comm, const IterationRecord &iteration,
+                               double energy_offset) {
   PetscFunctionBeginUser;
-  if (!context.options.monitor) PetscFunctionReturn(PETSC_SUCCESS);
-  const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(context.snes));
   if (iteration.k == 0) {
     PetscCall(PetscPrintf(comm, "%4s %21s %10s %7s %10s %8s %6s %6s %6s %5s %8s\n", "k", "energy",
                           "|gradient|", "weight", "decrement", "rho", "step", "trials", "solves",
@@ -21,9 +21,9 @@ PetscErrorCode monitor_iteration(const SolveContext &context, const IterationRec
     std::snprintf(indefinite, sizeof indefinite, "%.0f%%", 100 * iteration.indefinite);
   }
   PetscCall(PetscPrintf(comm, "%4d %21.14e %10.3e %7.3f %10.3e %8s %6.3f %6d %6d %5s %8.2f\n",
-                        iteration.k, iteration.energy + context.energy_offset,
-                        iteration.gradient_norm, iteration.weight, iteration.decrement, rho,
-                        iteration.step, iteration.trials, 1 + iteration.corrections, indefinite,
+                        iteration.k, iteration.energy + energy_offset, iteration.gradient_norm,
+                        iteration.weight, iteration.decrement, rho, iteration.step,
+                        iteration.trials, 1 + iteration.shamanskii_steps, indefinite,
                         iteration.seconds));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

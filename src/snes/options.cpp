@@ -1,267 +1,193 @@
-#include <petsc/private/petscimpl.h>
-
+#include <algorithm>
 #include <array>
-#include <cstring>
 #include <sstream>
 
-#include "snes/solve_context.hpp"
+#include "snes/option_table.hpp"
 #include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
 namespace {
 
-// Every option of ours; what is not here is misspelt.
-constexpr std::array<const char *, 16> known_options{
-    "filter",      "rho_tolerance",  "weight", "search", "decrement_tolerance", "energy_tolerance",
-    "monitor",     "record",         "strict", "fields", "corrections",         "correction_gain",
-    "trust_start", "verify_minimum", "space",  "floor"};
+/// The options of one SNES: where they are, and how they are called there.
+struct Source {
+  MPI_Comm comm = MPI_COMM_NULL;
+  PetscOptions database = nullptr;
+  const char *prefix = nullptr;
+  PetscErrorCode open(SNES snes) {
+    PetscFunctionBeginUser;
+    comm = PetscObjectComm(reinterpret_cast<PetscObject>(snes));
+    PetscCall(PetscObjectGetOptions(reinterpret_cast<PetscObject>(snes), &database));
+    PetscCall(SNESGetOptionsPrefix(snes, &prefix));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  [[nodiscard]] std::string full(const char *name) const {
+    return std::string("-") + (prefix ? prefix : "") + name;
+  }
+};
 
-std::string join(const std::vector<std::string> &words) {
-  std::ostringstream text;
-  for (std::size_t i = 0; i < words.size(); ++i) text << (i ? ", " : "") << words[i];
-  return text.str();
+/// As PETSc's readers want it, which add the prefix themselves.
+std::string flag_of(const Option &option) {
+  return std::string("-").append(option.name);
 }
 
 /// Refuses options that begin with our name and are none of ours, so that a typing error is not a
 /// default in disguise.
-PetscErrorCode refuse_misspelt(SNES snes) {
-  PetscOptions database = nullptr;
-  const char *prefix = nullptr;
+PetscErrorCode refuse_misspelt(const Source &source, const std::vector<Option> &table) {
   char *copy = nullptr;
   PetscFunctionBeginUser;
-  PetscCall(PetscObjectGetOptions(reinterpret_cast<PetscObject>(snes), &database));
-  PetscCall(SNESGetOptionsPrefix(snes, &prefix));
-  const std::string ours = std::string("-") + (prefix ? prefix : "") + "snes_trefoil_";
-  PetscCall(PetscOptionsGetAll(database, &copy));
+  const std::string ours = source.full("snes_trefoil_");
+  std::vector<std::string> names;
+  for (const Option &option : table) {
+    const std::string full = source.full(option.name);
+    if (full.rfind(ours, 0) == 0) names.push_back(full.substr(ours.size()));
+  }
+  PetscCall(PetscOptionsGetAll(source.database, &copy));
   std::istringstream words(copy);
   PetscCall(PetscFree(copy));
   for (std::string word; words >> word;) {
     if (word.rfind(ours, 0) != 0) continue;
-    const std::string name = word.substr(ours.size());
-    bool known = false;
-    for (const char *option : known_options) known = known || name == option;
-    std::vector<std::string> names(known_options.begin(), known_options.end());
-    PetscCheck(known, PetscObjectComm(reinterpret_cast<PetscObject>(snes)), PETSC_ERR_USER_INPUT,
+    const bool known =
+        std::find(names.begin(), names.end(), word.substr(ours.size())) != names.end();
+    PetscCheck(known, source.comm, PETSC_ERR_USER_INPUT,
                "there is no option %s; the options %s... are: %s", word.c_str(), ours.c_str(),
                join(names).c_str());
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// Values that PETSc takes without a word: of a whole number that is too large it makes another
-/// one, and a damping of zero would let no step move.
-PetscErrorCode check_unchecked(PetscOptions database, const char *prefix, int corrections,
-                               MPI_Comm comm) {
-  PetscReal written = 0, damping = 1;
+/// PETSc's own sentence about a name that is no choice does not list the choices.
+PetscErrorCode check_choice(const Source &source, const Option &option, const Choice &choice,
+                            const std::string &name) {
+  PetscFunctionBeginUser;
+  PetscCheck(std::find(choice.names.begin(), choice.names.end(), name) != choice.names.end(),
+             source.comm, PETSC_ERR_USER_INPUT, "there is no %s '%s' (%s); the %s%s are: %s",
+             choice.noun, name.c_str(), source.full(option.name).c_str(), choice.noun,
+             choice.noun == std::string("search") ? "es" : "s", join(choice.names).c_str());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode read_choice(TrefoilOptionItems PetscOptionsObject, const Source &source,
+                           const Option &option, const Choice &choice, PetscBool *found) {
+  std::array<char, PETSC_MAX_PATH_LEN> written{};
+  std::vector<const char *> list;
+  PetscInt chosen = 0;
+  PetscFunctionBeginUser;
+  PetscCall(PetscOptionsGetString(source.database, source.prefix, flag_of(option).c_str(),
+                                  written.data(), written.size(), found));
+  if (*found) PetscCall(check_choice(source, option, choice, written.data()));
+  for (const std::string &name : choice.names) list.push_back(name.c_str());
+  PetscCall(PetscOptionsEList(flag_of(option).c_str(), option.help.c_str(), "", list.data(),
+                              static_cast<PetscInt>(list.size()), name_in(choice).c_str(), &chosen,
+                              found));
+  if (*found) choose(choice, static_cast<std::size_t>(chosen));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode read_whole_number(TrefoilOptionItems PetscOptionsObject, const Source &source,
+                                 const Option &option, const WholeNumber &number,
+                                 PetscBool *found) {
+  const std::string flag = flag_of(option);
+  PetscInt value = *number.value;
+  PetscReal written = 0;
+  PetscFunctionBeginUser;
+  PetscCall(PetscOptionsInt(flag.c_str(), option.help.c_str(), "", value, &value, found));
+  *number.value = static_cast<int>(value);
+  // Of a whole number that is too large PETSc makes another one without a word.
+  PetscCall(PetscOptionsGetReal(source.database, source.prefix, flag.c_str(), &written, nullptr));
+  PetscCheck(!*found || written == *number.value, source.comm, PETSC_ERR_USER_INPUT,
+             "%s is %.15g, which is too large or no whole number", source.full(option.name).c_str(),
+             written);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode read_option(TrefoilOptionItems PetscOptionsObject, const Source &source,
+                           const Option &option) {
+  const std::string flag = flag_of(option);
+  const char *name = flag.c_str(), *help = option.help.c_str();
   PetscBool found = PETSC_FALSE;
   PetscFunctionBeginUser;
-  PetscCall(PetscOptionsGetReal(database, prefix, "-snes_trefoil_corrections", &written, &found));
-  PetscCheck(!found || written == corrections, comm, PETSC_ERR_USER_INPUT,
-             "-snes_trefoil_corrections is %.15g, which is too large or no whole number", written);
-  PetscCall(PetscOptionsGetReal(database, prefix, "-snes_linesearch_damping", &damping, nullptr));
-  PetscCheck(damping > 0, comm, PETSC_ERR_USER_INPUT,
+  if (auto *choice = std::get_if<Choice>(&option.value)) {
+    PetscCall(read_choice(PetscOptionsObject, source, option, *choice, &found));
+  } else if (auto *whole = std::get_if<WholeNumber>(&option.value)) {
+    PetscCall(read_whole_number(PetscOptionsObject, source, option, *whole, &found));
+  } else if (auto *number = std::get_if<Number>(&option.value)) {
+    PetscReal value = *number->value;
+    PetscCall(PetscOptionsReal(name, help, "", value, &value, &found));
+    *number->value = value;
+  } else if (auto *flag_value = std::get_if<bool *>(&option.value)) {
+    PetscBool value = **flag_value ? PETSC_TRUE : PETSC_FALSE;
+    PetscCall(PetscOptionsBool(name, help, "", value, &value, &found));
+    **flag_value = value == PETSC_TRUE;
+  } else if (auto *string = std::get_if<std::string *>(&option.value)) {
+    std::array<char, PETSC_MAX_PATH_LEN> value{};
+    PetscCall(
+        PetscOptionsString(name, help, "", (*string)->c_str(), value.data(), value.size(), &found));
+    if (found) **string = value.data();
+  }
+  if (option.given) *option.given = *option.given || found;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// A damping of zero would let no step move, and PETSc takes it without a word.
+PetscErrorCode check_damping(const Source &source) {
+  PetscReal damping = 1;
+  PetscFunctionBeginUser;
+  PetscCall(PetscOptionsGetReal(source.database, source.prefix, "-snes_linesearch_damping",
+                                &damping, nullptr));
+  PetscCheck(damping > 0, source.comm, PETSC_ERR_USER_INPUT,
              "-snes_linesearch_damping is %g; it is the first step length and must be positive",
              damping);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode check_values(const SolverOptions &options, MPI_Comm comm) {
-  PetscFunctionBeginUser;
-  PetscCheck(make_rule(options.filter, options.rule), comm, PETSC_ERR_USER_INPUT,
-             "there is no filter '%s' (-snes_trefoil_filter); the filters are: %s",
-             options.filter.c_str(), join(rule_names()).c_str());
-  PetscCheck(options.search == "armijo" || options.search == "subspace", comm, PETSC_ERR_USER_INPUT,
-             "there is no search '%s' (-snes_trefoil_search); the searches are: armijo, subspace",
-             options.search.c_str());
-  PetscCheck(options.space == "element" || options.space == "deformation", comm,
-             PETSC_ERR_USER_INPUT,
-             "there is no space '%s' (-snes_trefoil_space); the spaces are: element, deformation",
-             options.space.c_str());
-  PetscCheck(options.shrink > 0 && options.shrink < 1, comm, PETSC_ERR_USER_INPUT,
-             "-snes_linesearch_shrink is %g and must lie between 0 and 1", options.shrink);
-  PetscCheck(options.armijo >= 0 && options.armijo < 0.5, comm, PETSC_ERR_USER_INPUT,
-             "-snes_linesearch_armijo is %g and must be at least 0 and below 0.5", options.armijo);
-  PetscCheck(options.rule.rho_tolerance >= 0, comm, PETSC_ERR_USER_INPUT,
-             "-snes_trefoil_rho_tolerance is %g and must not be negative",
-             options.rule.rho_tolerance);
-  PetscCheck(options.rule.weight >= 0, comm, PETSC_ERR_USER_INPUT,
-             "-snes_trefoil_weight is %g and must not be negative", options.rule.weight);
-  PetscCheck(
-      options.corrections >= -1 && options.correction_gain >= 0, comm, PETSC_ERR_USER_INPUT,
-      "-snes_trefoil_corrections (%d) must be at least -1 and -snes_trefoil_correction_gain (%g) "
-      "not negative",
-      options.corrections, options.correction_gain);
-  PetscCheck(options.floor < 1, comm, PETSC_ERR_USER_INPUT,
-             "-snes_trefoil_floor is %g, a share of the largest eigenvalue that must be below 1",
-             options.floor);
-  PetscCheck(options.decrement_tolerance >= 0 && options.energy_tolerance >= 0, comm,
-             PETSC_ERR_USER_INPUT,
-             "the tolerances -snes_trefoil_decrement_tolerance (%g) and "
-             "-snes_trefoil_energy_tolerance (%g) must not be negative",
-             options.decrement_tolerance, options.energy_tolerance);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/// A factorisation that fails is an answer to a rule that may be rejected, not the end of the
-/// solve; to any other it is what the SNES says it is.
-PetscErrorCode allow_linear_failures(SolveContext &context) {
-  PetscOptions database = nullptr;
-  const char *prefix = nullptr;
-  PetscBool given = PETSC_FALSE;
-  PetscFunctionBeginUser;
-  PetscCall(PetscObjectGetOptions(reinterpret_cast<PetscObject>(context.snes), &database));
-  PetscCall(SNESGetOptionsPrefix(context.snes, &prefix));
-  PetscCall(PetscOptionsHasName(database, prefix, "-snes_max_linear_solve_fail", &given));
-  if (given) PetscFunctionReturn(PETSC_SUCCESS);
-  if (context.rule->may_be_rejected() && !context.linear_failures) {
-    PetscInt failures = 0;
-    PetscCall(SNESGetMaxLinearSolveFailures(context.snes, &failures));
-    PetscCall(SNESSetMaxLinearSolveFailures(context.snes, PETSC_MAX_INT));
-    context.linear_failures = failures;
-  } else if (!context.rule->may_be_rejected() && context.linear_failures) {
-    PetscCall(SNESSetMaxLinearSolveFailures(context.snes, *context.linear_failures));
-    context.linear_failures.reset();
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 }  // namespace
 
-PetscErrorCode set_options(SolveContext &context) {
-  SolverOptions &options = context.options;
-  const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(context.snes));
-  std::array<char, PETSC_MAX_PATH_LEN> filter{}, search{}, file{}, fields{}, space{};
-  PetscBool found = PETSC_FALSE, constant_weight = PETSC_FALSE;
-  PetscBool monitor = options.monitor ? PETSC_TRUE : PETSC_FALSE;
-  PetscBool strict = options.strict ? PETSC_TRUE : PETSC_FALSE;
-  PetscReal rho_tolerance = options.rule.rho_tolerance, weight = options.rule.weight;
-  PetscReal decrement = options.decrement_tolerance, energy = options.energy_tolerance;
-  PetscReal gain = options.correction_gain, floor = options.floor;
-  PetscInt corrections = options.corrections;
-  PetscBool verify_minimum = options.verify_minimum ? PETSC_TRUE : PETSC_FALSE;
-  PetscBool trust_start = options.trust_start ? PETSC_TRUE : PETSC_FALSE;
-  PetscReal shrink = options.shrink, armijo = options.armijo;
-  PetscOptions database = nullptr;
-  const char *prefix = nullptr;
-
+PetscErrorCode check_options(SNES snes, SolverOptions &options) {
+  Source source;
   PetscFunctionBeginUser;
-  PetscCall(refuse_misspelt(context.snes));
-  const std::string filter_help = "Filter of the element Hessians: " + join(rule_names());
-  PetscCall(PetscObjectGetOptions(reinterpret_cast<PetscObject>(context.snes), &database));
-  PetscCall(SNESGetOptionsPrefix(context.snes, &prefix));
-  // With a title of our own: -help lists only the first of several parts with the same title.
-  PetscOptionsBegin(comm, prefix, "Trust-region eigenvalue filter (Trefoil)", "SNES");
-  PetscOptionsObject->options = database;
-  PetscCall(PetscOptionsString("-snes_trefoil_filter", filter_help.c_str(), "",
-                               options.filter.c_str(), filter.data(), filter.size(), &found));
-  if (found) options.filter = filter.data();
-  PetscCall(PetscOptionsReal("-snes_trefoil_rho_tolerance",
-                             "adaptive: clamp while |rho - 1| is below this (dimensionless)", "",
-                             rho_tolerance, &rho_tolerance, nullptr));
-  PetscCall(PetscOptionsReal("-snes_trefoil_weight",
-                             "constant: w of H + 2 w N; 0 Newton, 0.5 clamp, 1 absolute", "",
-                             weight, &weight, &constant_weight));
-  PetscCall(PetscOptionsString("-snes_trefoil_search",
-                               "Search: armijo, along the direction; subspace, in the plane of it "
-                               "and the previous step, with corrections",
-                               "", options.search.c_str(), search.data(), search.size(), &found));
-  if (found) options.search = search.data();
-  PetscCall(PetscOptionsInt("-snes_trefoil_corrections",
-                            "subspace: most further directions an iteration, by the same linear "
-                            "solver; -1: 8 where it is direct, else 0",
-                            "", corrections, &corrections, nullptr));
-  PetscCall(PetscOptionsReal("-snes_trefoil_floor",
-                             "Least eigenvalue of a filtered element, as a share of its largest; "
-                             "0 none; negative: the filter's own (tikhonov 1e-3, others none)",
-                             "", floor, &floor, nullptr));
-  PetscCall(PetscOptionsReal("-snes_trefoil_correction_gain",
-                             "subspace: least share of the first step's decrease to go on", "",
-                             gain, &gain, nullptr));
-  PetscCall(PetscOptionsBool("-snes_trefoil_trust_start",
-                             "subspace: from the first iteration; false: once |rho - 1| is small",
-                             "", trust_start, &trust_start, nullptr));
-  PetscCall(
-      PetscOptionsReal("-snes_trefoil_decrement_tolerance",
-                       "Stop when the Newton decrement |g'd|/2 is below (energy units, 0 off)", "",
-                       decrement, &decrement, nullptr));
-  PetscCall(PetscOptionsReal("-snes_trefoil_energy_tolerance",
-                             "Stop when the decrement over the energy scale is below "
-                             "(dimensionless, 0 off; off where decrement_tolerance is set)",
-                             "", energy, &energy, &found));
-  options.energy_tolerance_set = options.energy_tolerance_set || found;
-  PetscCall(PetscOptionsBool("-snes_trefoil_verify_minimum",
-                             "Where the stop test is met, look for negative curvature of the "
-                             "unfiltered Hessian, and leave a saddle along it (off where "
-                             "decrement_tolerance is set)",
-                             "", verify_minimum, &verify_minimum, &found));
-  options.verify_minimum_set = options.verify_minimum_set || found;
-  PetscCall(PetscOptionsReal("-snes_linesearch_shrink", "Factor from a step length to the next", "",
-                             shrink, &shrink, nullptr));
-  PetscCall(PetscOptionsReal("-snes_linesearch_armijo", "Share of the predicted decrease to reach",
-                             "", armijo, &armijo, nullptr));
-  PetscCall(PetscOptionsBool("-snes_trefoil_monitor", "One line an iteration", "", monitor,
-                             &monitor, nullptr));
-  PetscCall(PetscOptionsString("-snes_trefoil_record", "Write a JSON record of the solve to a file",
-                               "", options.record_file.c_str(), file.data(), file.size(), &found));
-  if (found) {
-    options.record_file = file.data();
-    PetscCall(check_text_file(comm, options.record_file));
+  PetscCall(source.open(snes));
+  for (const Option &option : table_of(options)) {
+    const std::string name = source.full(option.name);
+    if (auto *number = std::get_if<Number>(&option.value)) {
+      PetscCheck(number->makes_sense(*number->value), source.comm, PETSC_ERR_USER_INPUT,
+                 "%s is %g and %s", name.c_str(), *number->value, number->condition);
+    } else if (auto *whole = std::get_if<WholeNumber>(&option.value)) {
+      PetscCheck(whole->makes_sense(*whole->value), source.comm, PETSC_ERR_USER_INPUT,
+                 "%s is %d and %s", name.c_str(), *whole->value, whole->condition);
+    } else if (auto *choice = std::get_if<Choice>(&option.value)) {
+      PetscCall(check_choice(source, option, *choice, name_in(*choice)));
+    }
   }
-  PetscCall(PetscOptionsBool("-snes_trefoil_strict",
-                             "A Jacobian that cannot be filtered is an error; false: pass it "
-                             "unfiltered and count it in the record",
-                             "", strict, &strict, nullptr));
-  PetscCall(PetscOptionsString("-snes_trefoil_fields",
-                               "Fields to filter, by name or number, separated by commas", "",
-                               options.fields.c_str(), fields.data(), fields.size(), &found));
-  if (found && options.fields != fields.data()) {
-    options.fields = fields.data();
-    PetscCall(release_host_matrix(context));  // it knows the unknowns of the old fields
-  }
-  PetscCall(
-      PetscOptionsString("-snes_trefoil_space",
-                         "What is filtered: element, the element's Hessian; deformation, dP/dF "
-                         "at its quadrature points",
-                         "", options.space.c_str(), space.data(), space.size(), &found));
-  if (found) options.space = space.data();
-  PetscOptionsEnd();
-
-  options.strict = strict == PETSC_TRUE;
-  options.rule = {rho_tolerance, weight, context.snes};
-  options.decrement_tolerance = decrement;
-  options.energy_tolerance = energy;
-  options.shrink = shrink;
-  options.armijo = armijo;
-  options.corrections = static_cast<int>(corrections);
-  options.correction_gain = gain;
-  options.floor = floor;
-  options.trust_start = trust_start == PETSC_TRUE;
-  options.verify_minimum = verify_minimum == PETSC_TRUE;
-  options.monitor = monitor == PETSC_TRUE;
-  PetscCall(check_unchecked(database, prefix, options.corrections, comm));
-  PetscCall(check_values(options, comm));
-  PetscCheck(!constant_weight || options.filter == "constant", comm, PETSC_ERR_USER_INPUT,
-             "-snes_trefoil_weight is for -snes_trefoil_filter constant; the filter is '%s'",
+  PetscCheck(!options.weight_set || options.filter == "constant", source.comm, PETSC_ERR_USER_INPUT,
+             "%s is for %s constant; the filter is '%s'",
+             source.full("snes_trefoil_weight").c_str(), source.full("snes_trefoil_filter").c_str(),
              options.filter.c_str());
-  context.rule = make_rule(options.filter, options.rule);
-  PetscCall(allow_linear_failures(context));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode view_options(const SolveContext &context, PetscViewer viewer) {
-  const SolverOptions &options = context.options;
+PetscErrorCode read_options(SNES snes, SolverOptions *options) {
+  const std::vector<Option> table = table_of(*options);
+  Source source;
   PetscFunctionBeginUser;
-  std::ostringstream tuning;
-  if (options.filter == "adaptive") tuning << ", rho tolerance " << options.rule.rho_tolerance;
-  if (options.filter == "constant") tuning << ", weight " << options.rule.weight;
-  PetscCall(PetscViewerASCIIPrintf(viewer, "  eigenvalue filter: %s%s\n", options.filter.c_str(),
-                                   tuning.str().c_str()));
-  PetscCall(PetscViewerASCIIPrintf(viewer, "  search: %s, shrink %g, armijo %g\n",
-                                   options.search.c_str(), options.shrink, options.armijo));
-  PetscCall(PetscViewerASCIIPrintf(
-      viewer, "  decrement tolerance: %g, energy tolerance: %g%s\n", options.decrement_tolerance,
-      options.energy_tolerance,
-      options.decrement_tolerance > 0 && !options.energy_tolerance_set ? " (off)" : ""));
+  PetscCall(source.open(snes));
+  PetscCall(refuse_misspelt(source, table));
+  // With a title of our own: -help lists only the first of several parts with the same title.
+  PetscOptionsBegin(source.comm, source.prefix, "Trust-region eigenvalue filter (Trefoil)", "SNES");
+  PetscOptionsObject->options = source.database;
+  for (const Option &option : table) PetscCall(read_option(PetscOptionsObject, source, option));
+  PetscOptionsEnd();
+  PetscCall(check_damping(source));
+  PetscCall(check_options(snes, *options));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode view_options(SolverOptions options, PetscViewer viewer) {
+  PetscFunctionBeginUser;
+  for (const Option &option : table_of(options)) {
+    const std::string value = text_of(option);
+    if (value.empty()) continue;
+    PetscCall(PetscViewerASCIIPrintf(viewer, "  %s: %s\n", option.name, value.c_str()));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

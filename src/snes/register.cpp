@@ -1,7 +1,9 @@
 #include <petsc/private/petscimpl.h>
 
+#include "rule/rule.hpp"
 #include "simd/instruction_set.hpp"
-#include "snes/solve_context.hpp"
+#include "snes/solver.hpp"
+#include "support/log_events.hpp"
 #include "support/petsc_compatibility.hpp"
 
 namespace trefoil {

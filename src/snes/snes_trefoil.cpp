@@ -1,11 +1,11 @@
 #include <petsc/private/snesimpl.h>
 
-#include "snes/solve_context.hpp"
+#include "snes/solver.hpp"
 #include "support/petsc_compatibility.hpp"
 
 extern "C" PetscErrorCode SNESCreate_NEWTONLS(SNES);
 
-using trefoil::SolveContext;
+using trefoil::Solver;
 
 namespace {
 
@@ -31,14 +31,14 @@ PetscErrorCode SNESSetUp_Trefoil(SNES snes) {
 }
 
 PetscErrorCode SNESSolve_Trefoil(SNES snes) {
-  SolveContext *context = nullptr;
+  Solver *solver = nullptr;
   PetscFunctionBegin;
-  PetscCall(trefoil::get_solve_context(snes, &context));
-  context->running = false;  // also where the last solve ended in an error
-  PetscCall(trefoil::begin_solve(*context));
-  PetscCall(trefoil::install_jacobian(*context));
+  PetscCall(trefoil::get_solver(snes, &solver));
+  solver->record.running = false;  // also where the last solve ended in an error
+  PetscCall(solver->begin_solve());
+  PetscCall(trefoil::install_jacobian(*solver));
   PetscCall(newton_operations.solve(snes));
-  PetscCall(trefoil::end_solve(*context));
+  PetscCall(solver->end_solve());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -54,7 +54,7 @@ PetscErrorCode SNESSolve_Trefoil(SNES snes) {
 M*/
 PetscErrorCode SNESCreate_Trefoil(SNES snes) {
   SNESLineSearch search = nullptr;
-  SolveContext *context = nullptr;
+  Solver *solver = nullptr;
   PetscReal absolute = 0, relative = 0;
   PetscInt functions = 0;
 
@@ -69,6 +69,6 @@ PetscErrorCode SNESCreate_Trefoil(SNES snes) {
   PetscCall(SNESGetTolerances(snes, &absolute, &relative, nullptr, nullptr, &functions));
   PetscCall(SNESSetTolerances(snes, absolute, relative, 0, 200, functions));
   PetscCall(SNESSetDivergenceTolerance(snes, -1));
-  PetscCall(trefoil::get_solve_context(snes, &context));
+  PetscCall(trefoil::get_solver(snes, &solver));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

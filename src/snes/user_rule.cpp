@@ -3,8 +3,8 @@
 #include <string>
 
 #include "rule/rule.hpp"
-#include "snes/solve_context.hpp"
 #include "support/petsc_compatibility.hpp"
+#include "trefoil.h"
 
 namespace trefoil {
 namespace {
@@ -23,16 +23,21 @@ class UserRule final : public Rule {
     return ask(&iteration);
   }
 
+  /// It may choose any.
+  [[nodiscard]] double least_weight() const override { return 0; }
+  [[nodiscard]] int error() const override { return error_; }
+
  private:
   double ask(const TrefoilIteration *last) {
     PetscReal weight = 0;
-    // A weight that is no number stops the solve where the rule is asked.
-    return function_(snes_, last, &weight, context_) ? IterationRecord::none : weight;
+    error_ = static_cast<int>(function_(snes_, last, &weight, context_));
+    return weight;
   }
 
   SNES snes_;
   TrefoilRuleFunction function_;
   void *context_;
+  int error_ = 0;
 };
 
 }  // namespace

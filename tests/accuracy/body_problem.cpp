@@ -6,8 +6,8 @@
 #include <cmath>
 #include <string>
 
-#include "snes/solve_context.hpp"
 #include "term/elastic_term.hpp"
+#include "trefoil.h"
 
 namespace trefoil::accuracy {
 namespace {
@@ -176,7 +176,6 @@ PetscErrorCode Problem::solve_by(const char *filter, double energy_tolerance) {
   SNES snes = nullptr;
   KSP ksp = nullptr;
   PC pc = nullptr;
-  SolveContext *context = nullptr;
   SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
   PetscInt count = 0;
   PetscMPIInt ranks = 1;
@@ -186,9 +185,8 @@ PetscErrorCode Problem::solve_by(const char *filter, double energy_tolerance) {
   PetscCall(functional_->attach(snes, H_, EnergyFunctional::Assembly::split));
   PetscCall(SNESSetType(snes, SNESTREFOIL));
   PetscCall(SNESSetTolerances(snes, 1e-300, 0, 0, 200, 100000));
-  PetscCall(get_solve_context(snes, &context));
-  context->options.filter = filter;
-  context->options.energy_tolerance = energy_tolerance;
+  PetscCall(TrefoilSNESSetFilter(snes, filter));
+  PetscCall(TrefoilSNESSetTolerances(snes, PETSC_DEFAULT, energy_tolerance));
   PetscCall(SNESGetKSP(snes, &ksp));
   PetscCall(KSPSetType(ksp, KSPPREONLY));
   PetscCall(KSPGetPC(ksp, &pc));

@@ -1,4 +1,7 @@
+#include "snes/json_record.hpp"
+
 #include <petsc/private/petscimpl.h>
+#include <petscksp.h>
 #include <sys/resource.h>
 
 #include <algorithm>
@@ -6,7 +9,6 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "snes/solve_context.hpp"
 #include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
@@ -26,8 +28,9 @@ Json iteration_json(const IterationRecord &entry, double offset) {
           {"weight", entry.weight},
           {"rho", number(entry.rho)},
           {"step", entry.step},
+          {"truncated", entry.truncated},
           {"trials", entry.trials},
-          {"corrections", entry.corrections},
+          {"corrections", entry.shamanskii_steps},
           {"decrement", number(entry.decrement)},
           {"gradient_norm", number(entry.gradient_norm)},
           {"indefinite", number(entry.indefinite)},
@@ -81,8 +84,7 @@ PetscErrorCode options_json(SNES snes, Json *options) {
 /// that wait for each other, so assembly is the maximum of both together less the filter's. Where
 /// ranks wait in different phases the maxima would add up to more than the whole: then they share
 /// it.
-PetscErrorCode time_json(const SolveContext &context, MPI_Comm comm, Json *time) {
-  const PhaseClock &clock = context.clock;
+PetscErrorCode time_json(const PhaseClock &clock, MPI_Comm comm, Json *time) {
   const double filter = clock.seconds(Phase::filter);
   double seconds[5] = {filter, filter + clock.seconds(Phase::assembly),
                        clock.seconds(Phase::linear_solve), clock.seconds(Phase::line_search),
@@ -106,8 +108,7 @@ PetscErrorCode time_json(const SolveContext &context, MPI_Comm comm, Json *time)
 }
 
 /// Bytes, summed over the ranks; the factor's as its package reports them.
-PetscErrorCode memory_json(const SolveContext &context, MPI_Comm comm, Json *memory) {
-  const SNES snes = context.snes;
+PetscErrorCode memory_json(SNES snes, MPI_Comm comm, Mat negative, bool solved, Json *memory) {
   Mat matrix = nullptr, factor = nullptr;
   KSP ksp = nullptr;
   PC pc = nullptr;
@@ -116,7 +117,7 @@ PetscErrorCode memory_json(const SolveContext &context, MPI_Comm comm, Json *mem
   double peak = 0, matrix_bytes = 0, factor_bytes = 0;
   PetscFunctionBeginUser;
   PetscCall(SNESGetJacobian(snes, nullptr, &matrix, nullptr, nullptr));
-  for (Mat stored : {matrix, context.negative}) {
+  for (Mat stored : {matrix, negative}) {
     if (!stored) continue;
     PetscCall(MatGetInfo(stored, MAT_GLOBAL_SUM, &info));
     // A compressed sparse row matrix keeps a number and a column an entry.
@@ -126,7 +127,7 @@ PetscErrorCode memory_json(const SolveContext &context, MPI_Comm comm, Json *mem
   PetscCall(KSPGetPC(ksp, &pc));
   PetscCall(PetscObjectTypeCompareAny(reinterpret_cast<PetscObject>(pc), &factored, PCCHOLESKY,
                                       PCLU, ""));
-  if (factored && context.summary.linear_solves > 0) {
+  if (factored && solved) {
     MatSolverType solver = nullptr;
     PetscBool mumps = PETSC_FALSE;
     PetscBool informed = PETSC_FALSE;
@@ -160,138 +161,74 @@ PetscErrorCode memory_json(const SolveContext &context, MPI_Comm comm, Json *mem
 }
 
 /// Whether the end is a minimum; null where that is not known.
-Json minimum_json(const SolveSummary &summary) {
-  if (summary.end == StationaryPoint::unknown) return nullptr;
-  return summary.end == StationaryPoint::minimum;
+Json minimum_json(StationaryPoint end) {
+  if (end == StationaryPoint::unknown) return nullptr;
+  return end == StationaryPoint::minimum;
 }
 
-Json result_json(const SolveContext &context) {
-  const auto &history = context.history;
-  const double offset = context.energy_offset;
+Json result_json(const SolveRecord &record, double offset) {
+  const auto &history = record.history;
   int trials = 0;
   for (const IterationRecord &entry : history) trials += entry.trials;
   const IterationRecord last = history.empty() ? IterationRecord{} : history.back();
-  return {{"converged", context.summary.converged},
-          {"reason", context.summary.reason},
-          {"minimum", minimum_json(context.summary)},
-          {"error_estimate", number(context.summary.error_estimate)},
-          {"saddles_left", context.summary.saddles_left},
-          {"verification_solves", context.summary.verification_solves},
-          {"iterations", context.summary.iterations},
-          {"linear_solves", context.summary.linear_solves},
+  return {{"converged", record.converged},
+          {"reason", record.reason},
+          {"minimum", minimum_json(record.end)},
+          {"error_estimate", number(record.error_estimate)},
+          {"saddles_left", record.saddles_left},
+          {"verification_solves", record.verification_solves},
+          {"iterations", record.iterations},
+          {"linear_solves", record.linear_solves},
           {"line_search_trials", trials},
           {"energy_start",
            number(history.empty() ? IterationRecord::none : history.front().energy + offset)},
           {"energy", number(last.energy + offset)},
           {"energy_rest", nullptr},
-          {"energy_scale", number(context.summary.energy_scale)},
+          {"energy_scale", number(record.energy_scale)},
           {"gradient_norm", number(last.gradient_norm)},
           {"newton_decrement", number(last.decrement)},
           {"inverted", nullptr}};
 }
 
-/// After the last step, where PETSc's own tests ended the solve, the history still lacks the state
-/// that was reached.
-PetscErrorCode close_history(SolveContext &context) {
-  Vec x = nullptr, residual = nullptr;
-  PetscFunctionBeginUser;
-  if (!context.history.empty() && context.history.back().step == 0 && context.driven) {
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  IterationRecord last;
-  last.k = context.history.empty() ? 0 : context.history.back().k + 1;
-  last.weight = context.current.weight;
-  last.indefinite = IterationRecord::none;
-  last.linear_solves = context.summary.linear_solves;
-  last.seconds = context.head_start + context.clock.elapsed();
-  PetscCall(SNESGetSolution(context.snes, &x));
-  PetscCall(energy_at(context, x, &last.energy));
-  PetscCall(SNESGetFunction(context.snes, &residual, nullptr, nullptr));
-  PetscCall(VecNorm(residual, NORM_2, &last.gradient_norm));
-  context.history.push_back(last);
-  PetscCall(monitor_iteration(context, last));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 }  // namespace
 
-PetscErrorCode make_record(SolveContext &context, std::string *json) {
-  const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(context.snes));
+PetscErrorCode make_json_record(SNES snes, const std::string &filter,
+                                const FilteredJacobian &jacobian, const SolveRecord &record,
+                                double energy_offset, std::string *json) {
+  const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(snes));
   Vec x = nullptr;
   PetscInt unknowns = 0;
   PetscMPIInt ranks = 0;
   Json options, time, memory;
   PetscFunctionBeginUser;
-  PetscCall(SNESGetSolution(context.snes, &x));
+  PetscCall(SNESGetSolution(snes, &x));
   PetscCall(VecGetSize(x, &unknowns));
   PetscCallMPI(MPI_Comm_size(comm, &ranks));
-  PetscCall(options_json(context.snes, &options));
-  PetscCall(time_json(context, comm, &time));
-  PetscCall(memory_json(context, comm, &memory));
+  PetscCall(options_json(snes, &options));
+  PetscCall(time_json(record.clock, comm, &time));
+  PetscCall(memory_json(snes, comm, jacobian.negative(), record.linear_solves > 0, &memory));
   Json history = Json::array();
-  for (const IterationRecord &entry : context.history) {
-    history.push_back(iteration_json(entry, context.energy_offset));
+  for (const IterationRecord &entry : record.history) {
+    history.push_back(iteration_json(entry, energy_offset));
   }
-  const Json record{{"schema", 1},
-                    {"mesh",
-                     {{"vertices", nullptr},  // what only the host knows is null
-                      {"elements", context.elements},
-                      {"element", nullptr},
-                      {"dofs", nullptr},
-                      {"free_dofs", unknowns},
-                      {"inverted_at_start", nullptr}}},
-                    {"solver",
-                     {{"filter", context.driven ? context.options.filter : "none"},
-                      {"ranks", ranks},
-                      {"unfiltered_blocks", context.unfiltered.unfiltered()},
-                      {"options", options}}},
-                    {"result", result_json(context)},
-                    {"time", time},
-                    {"memory", memory},
-                    {"history", history}};
-  *json = record.dump(1);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode end_solve(SolveContext &context) {
-  SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
-  const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(context.snes));
-  PetscFunctionBeginUser;
-  if (!context.running) PetscFunctionReturn(PETSC_SUCCESS);
-  context.clock.switch_to(Phase::other);
-  PetscCall(SNESGetConvergedReason(context.snes, &reason));
-  context.summary.converged = reason > 0;
-  if (context.summary.reason.empty()) {
-    const char *text = nullptr;
-    PetscCall(SNESGetConvergedReasonString(context.snes, &text));
-    context.summary.reason = text;
-    if (reason == SNES_DIVERGED_MAX_IT) {
-      context.summary.reason = "DIVERGED_MAX_IT: no tolerance is met after -snes_max_it iterations";
-    }
-    if (reason == SNES_DIVERGED_LINEAR_SOLVE) {  // FACTOR_OUTMEMORY, FACTOR_NUMERIC_ZEROPIVOT ...
-      KSP ksp = nullptr;
-      PC pc = nullptr;
-      PCFailedReason failure = PC_NOERROR;
-      PetscCall(SNESGetKSP(context.snes, &ksp));
-      PetscCall(KSPGetPC(ksp, &pc));
-      PetscCall(PCGetFailedReason(pc, &failure));
-      if (failure) context.summary.reason += std::string(": ") + PCFailedReasons[failure];
-    }
-  }
-  PetscCall(close_history(context));
-  if (context.energy_scale) {
-    Vec x = nullptr;
-    PetscReal scale = 0;
-    PetscCall(SNESGetSolution(context.snes, &x));
-    PetscCall(context.energy_scale(context.snes, x, &scale, context.energy_scale_context));
-    context.summary.energy_scale = scale;
-  }
-  context.clock.switch_to(Phase::other);
-  PetscCall(make_record(context, &context.record));
-  if (!context.options.record_file.empty()) {
-    PetscCall(write_text_file(comm, context.options.record_file, context.record + "\n"));
-  }
-  context.running = false;
+  const Json whole{{"schema", 1},
+                   {"mesh",
+                    {{"vertices", nullptr},  // what only the host knows is null
+                     {"elements", jacobian.elements()},
+                     {"element", nullptr},
+                     {"dofs", nullptr},
+                     {"free_dofs", unknowns},
+                     {"inverted_at_start", nullptr}}},
+                   {"solver",
+                    {{"filter", filter},
+                     {"ranks", ranks},
+                     {"unfiltered_blocks", jacobian.unfiltered().unfiltered()},
+                     {"options", options}}},
+                   {"result", result_json(record, energy_offset)},
+                   {"time", time},
+                   {"memory", memory},
+                   {"history", history}};
+  *json = whole.dump(1);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

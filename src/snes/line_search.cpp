@@ -1,0 +1,286 @@
+/*
+   The line search `trefoil`. It is called with the direction d = -Y that the filtered Jacobian
+   gave, decides whether the solve ends here, and otherwise takes a step along d:
+
+     stop test on the Newton decrement |g'd| / 2, before the step is taken
+     s = 1, 0.8, 0.64, ...  until  f(x + s d) <= f(x) + c s g'd           (Armijo)
+     rho = (f(x) - f(x + u)) / -(g'u + u'Hu/2),   u = s d                 (trust-region ratio)
+
+   with u'Hu = u'(H + 2 w N) u - 2 w u'N u: the unfiltered model costs two products, no assembly.
+
+   With -snes_trefoil_search subspace the search begins at the energy's minimum in the plane of d
+   and the previous step, and is followed by Shamanskii steps, from the factors of the same
+   Jacobian.
+*/
+#include <petsc/private/linesearchimpl.h>
+#include <petsc/private/snesimpl.h>
+
+#include <cmath>
+
+#include "search/boundary_values.hpp"
+#include "search/direction.hpp"
+#include "search/shamanskii.hpp"
+#include "search/step.hpp"
+#include "search/stop_test.hpp"
+#include "search/subspace_minimisation.hpp"
+#include "search/verify_minimum.hpp"
+#include "snes/solver.hpp"
+#include "support/log_events.hpp"
+#include "support/petsc_compatibility.hpp"
+
+using namespace trefoil;
+
+/// Refuses a search that cannot work with what the host has given.
+static PetscErrorCode check_search(const Solver &solver, SNESLineSearch search,
+                                   bool has_objective) {
+  const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(search));
+  PetscFunctionBegin;
+  PetscCheck(solver.record.running && solver.driven, comm, PETSC_ERR_ORDER,
+             "line search trefoil has not seen the Jacobian being made (were the SNES's monitors "
+             "cancelled?): use -snes_type trefoil");
+  PetscCheck(has_objective || solver.options.search.kind != TREFOIL_SEARCH_SUBSPACE, comm,
+             PETSC_ERR_ARG_WRONGSTATE,
+             "-snes_trefoil_search subspace compares energies: set one with SNESSetObjective(), or "
+             "use -snes_trefoil_search armijo");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// The SNES's vectors, and the linear solver's direction at x.
+static PetscErrorCode open_line(Solver &solver, SNESLineSearch search, LineSearchState &state) {
+  PetscBool changed = PETSC_FALSE;
+  PetscFunctionBegin;
+  PetscCall(solver.energy.has_objective(&state.has_objective));
+  PetscCall(check_search(solver, search, state.has_objective));
+  PetscCall(SNESLineSearchGetVecs(search, &state.solution, &state.residual, &state.update,
+                                  &state.trial, &state.trial_residual));
+  PetscCall(SNESLineSearchPreCheck(search, state.solution, state.update, &changed));
+  // Callbacks that copy their argument into a vector of theirs often have the solution for it: in
+  // the manner of dolfinx's own SNES test. Trial points would then move the point they start from.
+  PetscCall(state.work.get(Work::start, state.solution, &state.x));
+  PetscCall(take_solvers_direction(state));
+  state.clock.switch_to(Phase::line_search);  // ranks have waited for each other's solve
+  PetscCall(solver.energy.at(state.solution, &state.energy));
+  PetscCall(VecCopy(state.solution, state.x));
+  if (solver.memory.boundary_values_open) {
+    PetscCall(moves_boundary_values(solver.jacobian.matrix(), state.d, &state.lifted));
+    solver.memory.boundary_values_open = state.lifted;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Opens the record of the iteration: what is known at x before anything is tried.
+static PetscErrorCode open_iteration(Solver &solver, const LineSearchState &state) {
+  SolveRecord &record = solver.record;
+  IterationRecord opened;
+  PetscInt iteration = 0, linear_iterations = 0;
+  KSP ksp = nullptr;
+  PetscFunctionBegin;
+  if (!solver.jacobian_is_new) {  // the SNES lags it
+    ++record.iterations;
+    ++record.linear_solves;
+  }
+  solver.jacobian_is_new = false;
+  PetscCall(SNESGetIterationNumber(solver.snes, &iteration));
+  PetscCall(SNESGetKSP(solver.snes, &ksp));
+  PetscCall(KSPGetIterationNumber(ksp, &linear_iterations));
+  opened.k = static_cast<int>(iteration);
+  opened.energy = state.energy;
+  opened.weight = record.current.weight;
+  opened.indefinite = record.current.indefinite;
+  opened.decrement = std::abs(state.slope) / 2;
+  opened.linear_iterations = static_cast<int>(linear_iterations);
+  opened.linear_solves = record.linear_solves;
+  opened.seconds = record.seconds();
+  PetscCall(VecNorm(state.residual, NORM_2, &opened.gradient_norm));
+  record.current = opened;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Ends the solve with `reason`, x as it is, and closes the history.
+static PetscErrorCode finish(Solver &solver, SNESLineSearch search, SNESConvergedReason reason) {
+  PetscFunctionBegin;
+  solver.snes->reason = reason;
+  PetscCall(SNESLineSearchSetReason(
+      search, reason > 0 ? SNES_LINESEARCH_SUCCEEDED : SNES_LINESEARCH_FAILED_REDUCT));
+  PetscCall(solver.close_iteration(solver.record.current));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Searches, takes the step found and those that follow from the same factors, and closes the
+/// iteration with the step's trust-region ratio.
+static PetscErrorCode search_and_step(Solver &solver, SNESLineSearch search,
+                                      LineSearchState &state) {
+  const SearchOptions &options = solver.options.search;
+  const bool in_plane = solver.memory.uses_planes(options) && !state.lifted;
+  IterationRecord &current = solver.record.current;
+  PetscInt most_trials = 0;
+  PetscReal first_step = 0;
+  Vec product = nullptr;
+  double curvature = 0;
+  bool accepted = false;
+
+  PetscFunctionBegin;
+  PetscCall(SNESLineSearchGetTolerances(search, nullptr, nullptr, nullptr, nullptr, nullptr,
+                                        &most_trials));
+  PetscCall(SNESLineSearchGetDamping(search, &first_step));
+  if (in_plane) PetscCall(minimise_in_plane(solver.jacobian, solver.memory, state));
+  PetscCall(state.work.get(Work::product, state.x, &product));
+  PetscCall(solver.jacobian.unfiltered_curvature(state.d, product, &curvature));
+  PetscCall(backtrack(options, state, first_step, most_trials, &accepted));
+  current.trials = state.trials;
+  current.truncated = state.truncated;
+  if (!accepted) {
+    solver.record.reason = "no step along the direction decreases the energy";
+    PetscCall(stay(state));
+    PetscCall(finish(solver, search, SNES_DIVERGED_LINE_SEARCH));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  current.step = state.newton_share * state.step;
+  if (!state.lifted) PetscCall(trust_region_ratio(state, curvature, &current.rho));
+  PetscCall(take_step(search, state, solver.memory));
+  if (in_plane) {
+    PetscCall(take_shamanskii_steps(options, search, solver.jacobian, solver.memory, state,
+                                    solver.record));
+  }
+  PetscCall(solver.close_iteration(current));
+  solver.memory.learn(current, solver.options.rule.rho_tolerance);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Ends the solve where the stop test is met, unless that point is a saddle that can be left.
+static PetscErrorCode finish_or_leave(Solver &solver, SNESLineSearch search,
+                                      LineSearchState &state) {
+  IterationRecord &current = solver.record.current;
+  SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
+  PetscFunctionBegin;
+  PetscCall(verify_minimum(solver.options.search, solver.options.stop, solver.snes, solver.jacobian,
+                           state, solver.record, &reason));
+  if (reason) {
+    PetscCall(finish(solver, search, reason));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  current.step = state.step;
+  current.trials = state.trials;
+  current.truncated = state.truncated;
+  PetscCall(take_step(search, state, solver.memory));
+  PetscCall(solver.close_iteration(current));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// One iteration, from the direction on.
+static PetscErrorCode iterate(Solver &solver, SNESLineSearch search) {
+  LineSearchState state(solver.energy, solver.memory.vectors, solver.record.clock);
+  SNESConvergedReason refused = SNES_CONVERGED_ITERATING;
+  bool stop = false;
+  PetscFunctionBegin;
+  PetscCall(open_line(solver, search, state));
+  PetscCall(open_iteration(solver, state));
+  PetscCall(
+      check_direction(solver.snes, *solver.rule, solver.jacobian, state, solver.record, &refused));
+  if (refused) {
+    PetscCall(finish(solver, search, refused));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  if (!state.lifted) {
+    PetscCall(stop_test(solver.options.stop, solver.energy, state.x, solver.record, &stop));
+  }
+  if (stop) {
+    PetscCall(finish_or_leave(solver, search, state));
+  } else {
+    PetscCall(search_and_step(solver, search, state));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode SNESLineSearchApply_Trefoil(SNESLineSearch search) {
+  SNES snes = nullptr;
+  Solver *solver = nullptr;
+  PetscFunctionBegin;
+  PetscCall(SNESLineSearchGetSNES(search, &snes));
+  PetscCall(get_solver(snes, &solver));
+  PetscCall(solver->begin_solve());
+  PetscCall(PetscLogEventBegin(event_search, search, nullptr, nullptr, nullptr));
+  PetscCall(iterate(*solver, search));
+  PetscCall(PetscLogEventEnd(event_search, search, nullptr, nullptr, nullptr));
+  solver->record.clock.switch_to(Phase::other);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// SNES calls its monitors before each Jacobian: the place to see to it that ours is the one that
+/// is called, whatever the host has set since.
+static PetscErrorCode before_jacobian(SNES, PetscInt, PetscReal, void *solver) {
+  PetscFunctionBegin;
+  PetscCall(install_jacobian(*static_cast<Solver *>(solver)));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode SNESLineSearchSetFromOptions_Trefoil(SNESLineSearch search,
+                                                           TrefoilOptionItems) {
+  SNES snes = nullptr;
+  Solver *solver = nullptr;
+  PetscFunctionBegin;
+  PetscCall(SNESLineSearchGetSNES(search, &snes));
+  PetscCall(get_solver(snes, &solver));
+  PetscCall(solver->set_from_options());
+  PetscCall(SNESMonitorSet(snes, before_jacobian, solver, nullptr));  // once, PETSc compares
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode SNESLineSearchView_Trefoil(SNESLineSearch search, PetscViewer viewer) {
+  SNES snes = nullptr;
+  Solver *solver = nullptr;
+  PetscBool ascii = PETSC_FALSE;
+  PetscFunctionBegin;
+  PetscCall(
+      PetscObjectTypeCompare(reinterpret_cast<PetscObject>(viewer), PETSCVIEWERASCII, &ascii));
+  PetscCall(SNESLineSearchGetSNES(search, &snes));
+  PetscCall(get_solver(snes, &solver));
+  if (ascii) PetscCall(view_options(solver->options, viewer));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*MC
+   SNESLINESEARCHTREFOIL - backtracking on the energy along the eigenvalue-filtered direction
+
+   Options Database Keys:
++  -snes_trefoil_filter <adaptive>               - newton, clamp, absolute, adaptive, constant,
+                                                   on_demand, blend, three_state, multiplicative,
+                                                   tikhonov
+.  -snes_trefoil_rho_tolerance <0.01>            - adaptive: clamp while |rho - 1| is below
+.  -snes_trefoil_weight <1>                      - constant: w of H + 2 w N
+.  -snes_trefoil_floor <-1>                      - least eigenvalue of a filtered element, as a
+                                                   share of its largest; negative: the filter's own
+.  -snes_trefoil_space <element>                 - what is filtered: element, or deformation, dP/dF
+                                                   at the quadrature points
+.  -snes_trefoil_fields <all>                    - fields to filter, by name or number
+.  -snes_trefoil_strict <true>                   - a Jacobian that cannot be filtered is an error
+.  -snes_trefoil_search <armijo>                 - armijo, along the direction; subspace, in the
+                                                   plane of it and the previous step
+.  -snes_trefoil_corrections <-1>                - subspace: most further directions an iteration;
+                                                   -1: 8 where the linear solver is direct, else 0
+.  -snes_trefoil_correction_gain <0.03>          - subspace: least share of the first step's
+                                                   decrease to go on correcting
+.  -snes_trefoil_trust_start <false>             - subspace: from the first iteration; false: once
+                                                   |rho - 1| is small
+.  -snes_trefoil_decrement_tolerance <0>         - stop on the Newton decrement, energy units
+.  -snes_trefoil_energy_tolerance <1e-8>         - stop on the decrement over the energy scale
+.  -snes_trefoil_verify_minimum <false>          - leave a saddle along negative curvature where the
+                                                   stop test is met
+.  -snes_trefoil_monitor <false>                 - one line an iteration
+.  -snes_trefoil_record <file>                   - JSON record of the solve
+.  -snes_linesearch_damping <1>                  - first step length to try
+.  -snes_linesearch_shrink <0.8>                 - factor between step lengths
+.  -snes_linesearch_armijo <1e-8>                - share of the predicted decrease to reach
+-  -snes_linesearch_max_it <100>                 - most step lengths to try
+
+   Level: intermediate
+M*/
+PetscErrorCode SNESLineSearchCreate_Trefoil(SNESLineSearch search) {
+  PetscFunctionBegin;
+  search->ops->apply = SNESLineSearchApply_Trefoil;
+  search->ops->setfromoptions = SNESLineSearchSetFromOptions_Trefoil;
+  search->ops->view = SNESLineSearchView_Trefoil;
+  PetscCall(SNESLineSearchSetTolerances(search, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT,
+                                        PETSC_DEFAULT, PETSC_DEFAULT, 100));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

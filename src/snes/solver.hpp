@@ -1,0 +1,83 @@
+#pragma once
+
+#include <petscsnes.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "hook/filtered_jacobian.hpp"
+#include "rule/rule.hpp"
+#include "search/energy.hpp"
+#include "search/search_memory.hpp"
+#include "search/solve_record.hpp"
+#include "snes/host_jacobian.hpp"
+#include "snes/solver_options.hpp"
+#include "support/callback.hpp"
+#include "trefoil.h"
+
+namespace trefoil {
+
+/// A host's callback that makes H and N at once, and what it can do (TrefoilSplitCapability).
+struct SplitJacobian : Callback<TrefoilSplitJacobianFunction> {
+  int capabilities = 0;
+};
+
+/// What is composed with an SNES of ours: it owns the parts. PETSc's callbacks unpack it;
+/// everything below them takes the parts that it needs.
+struct Solver {
+  explicit Solver(SNES owner) : snes(owner), energy(owner) {}
+
+  SNES snes;  ///< borrowed: this belongs to it
+  SolverOptions options;
+  std::unique_ptr<Rule> rule;
+  /// -snes_max_linear_solve_fail of before a rule that needs all of them.
+  std::optional<PetscInt> linear_failures;
+
+  SplitJacobian split_jacobian;
+  HostJacobian host_jacobian;
+  FilteredJacobian jacobian;
+  bool driven = false;           ///< by our line search; otherwise the Jacobian stays unfiltered
+  bool jacobian_is_new = false;  ///< made in this iteration; a SNES may lag it
+
+  Energy energy;
+  SearchMemory memory;
+  SolveRecord record;
+  std::string json;  ///< the record of the last finished solve
+
+  /// Begins a solve unless one is running.
+  PetscErrorCode begin_solve();
+  /// Closes an iteration: into the history, and onto the screen where the user wants that.
+  PetscErrorCode close_iteration(const IterationRecord &iteration);
+  /// Ends it: closes the history, makes the JSON record and writes it where the user wants it.
+  /// Collective. Harmless where no solve is running.
+  PetscErrorCode end_solve();
+
+  /// Reads the options and makes the rule. Collective.
+  PetscErrorCode set_from_options();
+  /// Makes the rule that the options name.
+  PetscErrorCode make_rule();
+  /// The floor under filtered eigenvalues for a weight: the user's, else the rule's.
+  [[nodiscard]] EigenvalueFloor floor(double weight) const {
+    return {options.floor >= 0 ? options.floor : rule->floor(), weight};
+  }
+};
+
+/// The solver of `snes`, made when first asked for.
+PetscErrorCode get_solver(SNES snes, Solver **solver);
+
+/// Whether our line search, and thus the rule, drives this SNES.
+PetscErrorCode is_driven(SNES snes, bool *driven);
+
+/// Puts our callback before the SNES's present Jacobian callback, whoever set it and when. Called
+/// before each Jacobian, because a host may set its own after reading options.
+PetscErrorCode install_jacobian(Solver &solver);
+/// Makes the split callback the SNES's Jacobian.
+PetscErrorCode install_split_jacobian(Solver &solver, Mat H);
+
+}  // namespace trefoil
+
+extern "C" {
+PetscErrorCode SNESCreate_Trefoil(SNES snes);
+PetscErrorCode SNESLineSearchCreate_Trefoil(SNESLineSearch search);
+}
