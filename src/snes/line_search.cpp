@@ -243,35 +243,39 @@ static PetscErrorCode SNESLineSearchView_Trefoil(SNESLineSearch search, PetscVie
    SNESLINESEARCHTREFOIL - backtracking on the energy along the eigenvalue-filtered direction
 
    Options Database Keys:
-+  -snes_trefoil_filter <adaptive>               - newton, clamp, absolute, adaptive, constant,
-                                                   on_demand, blend, three_state, multiplicative,
-                                                   tikhonov
-.  -snes_trefoil_rho_tolerance <0.01>            - adaptive: clamp while |rho - 1| is below
-.  -snes_trefoil_weight <1>                      - constant: w of H + 2 w N
-.  -snes_trefoil_floor <-1>                      - least eigenvalue of a filtered element, as a
-                                                   share of its largest; negative: the filter's own
-.  -snes_trefoil_space <element>                 - what is filtered: element, or deformation, dP/dF
-                                                   at the quadrature points
-.  -snes_trefoil_fields <all>                    - fields to filter, by name or number
-.  -snes_trefoil_strict <true>                   - a Jacobian that cannot be filtered is an error
-.  -snes_trefoil_search <armijo>                 - armijo, along the direction; subspace, in the
-                                                   plane of it and the previous step
-.  -snes_trefoil_corrections <-1>                - subspace: most further directions an iteration;
-                                                   -1: 8 where the linear solver is direct, else 0
-.  -snes_trefoil_correction_gain <0.03>          - subspace: least share of the first step's
-                                                   decrease to go on correcting
-.  -snes_trefoil_trust_start <false>             - subspace: from the first iteration; false: once
-                                                   |rho - 1| is small
-.  -snes_trefoil_decrement_tolerance <0>         - stop on the Newton decrement, energy units
-.  -snes_trefoil_energy_tolerance <1e-8>         - stop on the decrement over the energy scale
-.  -snes_trefoil_verify_minimum <false>          - leave a saddle along negative curvature where the
-                                                   stop test is met
-.  -snes_trefoil_monitor <false>                 - one line an iteration
-.  -snes_trefoil_record <file>                   - JSON record of the solve
-.  -snes_linesearch_damping <1>                  - first step length to try
-.  -snes_linesearch_shrink <0.8>                 - factor between step lengths
-.  -snes_linesearch_armijo <1e-8>                - share of the predicted decrease to reach
--  -snes_linesearch_max_it <100>                 - most step lengths to try
++  -snes_trefoil_filter <adaptive> - Filter of the element Hessians: newton, clamp, absolute,
+     adaptive, constant, on_demand, blend, three_state, multiplicative, tikhonov
+.  -snes_trefoil_rho_tolerance <0.01> - adaptive: clamp while |rho - 1| is below this
+     (dimensionless)
+.  -snes_trefoil_weight <1> - constant: w of H + 2 w N; 0 Newton, 0.5 clamp, 1 absolute
+.  -snes_trefoil_floor <-1> - Least eigenvalue of a filtered element, as a share of its largest;
+     0 none; negative: the filter's own (tikhonov 1e-3, others none)
+.  -snes_trefoil_space <element> - What is filtered: element, the element's Hessian;
+     deformation, dP/dF at its quadrature points
+.  -snes_trefoil_fields <> - Fields to filter, by name or number, separated by commas
+.  -snes_trefoil_strict <true> - A Jacobian that cannot be filtered is an error; false: pass it
+     unfiltered and count it in the record
+.  -snes_trefoil_search <armijo> - Search: armijo, along the direction; subspace, in the plane
+     of it and the previous step, with Shamanskii steps
+.  -snes_trefoil_corrections <-1> - subspace: most Shamanskii steps an iteration, by the same
+     linear solver; -1: 8 where it is direct, else 0
+.  -snes_trefoil_correction_gain <0.03> - subspace: least share of the first step's decrease to
+     go on
+.  -snes_trefoil_trust_start <false> - subspace: from the first iteration; false: once |rho - 1|
+     is small
+.  -snes_trefoil_decrement_tolerance <0> - Stop when the Newton decrement |g'd|/2 is below
+     (energy units, 0 off)
+.  -snes_trefoil_energy_tolerance <1e-08> - Stop when the decrement over the energy scale is
+     below (dimensionless, 0 off; off where decrement_tolerance is set)
+.  -snes_trefoil_verify_minimum <false> - Where the stop test is met, look for negative
+     curvature of the unfiltered Hessian, and leave a saddle along it (off where
+     decrement_tolerance is set)
+.  -snes_trefoil_monitor <false> - One line an iteration
+.  -snes_trefoil_record <> - Write a JSON record of the solve to a file
+.  -snes_linesearch_shrink <0.8> - Factor from a step length to the next
+.  -snes_linesearch_armijo <1e-08> - Share of the predicted decrease to reach
+.  -snes_linesearch_damping <1> - First step length to try (PETSc's own)
+-  -snes_linesearch_max_it <100> - Most step lengths to try (PETSc's own)
 
    Level: intermediate
 M*/

@@ -74,7 +74,7 @@ class HandWrittenElements(Host):
         self.assertEqual(record["mesh"]["elements"], 384)
         self.assertEqual(record["history"][0]["rho"], None)  # the lifted boundary is no model's step
         self.assertTrue(any(entry["weight"] == 0.5 for entry in record["history"]))
-        self.assertIn("eigenvalue filter: adaptive", printed)
+        self.assertIn("snes_trefoil_filter: adaptive", printed)
         self.assertIn("There are no unused options", printed)
         self.assertNotIn("bytes", printed.split("There are no unused options")[1])
 

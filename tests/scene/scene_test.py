@@ -180,7 +180,7 @@ class UsersSolvers(unittest.TestCase):
     def test_log_view_and_view(self):
         printed = run(BOX + ["-log_view", "-snes_view"]).stdout
         for word in ("TrefoilFilter", "TrefoilAssembly", "TrefoilSearch",
-                     "eigenvalue filter: adaptive"):
+                     "snes_trefoil_filter: adaptive"):
             self.assertTrue(word in printed, word)
 
     def test_help_names_every_option(self):

@@ -201,18 +201,25 @@ TEST(RuleRegisterTest, ANameIsGivenOnce) {
 TEST(RuleRegisterTest, AWeightThatIsNoneIsAnError) {
   OwnRule rule;
   ASSERT_EQ(TrefoilRuleRegister("no good", ask, &rule), 0);
-  struct Answer {
-    double weight;
-    PetscErrorCode code;
-  };
-  for (const Answer answer : {Answer{-0.1, 0}, Answer{nan_value, 0}, Answer{0.5, PETSC_ERR_USER}}) {
-    rule.weight = answer.weight;
-    rule.code = answer.code;
+  for (const double weight : {-0.1, nan_value}) {
+    rule.weight = weight;
     ElementHost host;
     host.option("snes_trefoil_filter", "no good");
     const CaughtError error;
     EXPECT_NE(host.solve(6, 1, nothing), 0);
     EXPECT_EQ(error.sentence.rfind("rule 'no good' chose the weight", 0), 0U) << error.sentence;
+  }
+}
+
+TEST(RuleRegisterTest, AHostsOwnErrorCodeSurvives) {
+  OwnRule rule;
+  ASSERT_EQ(TrefoilRuleRegister("fails", ask, &rule), 0);
+  for (const PetscErrorCode code : {PETSC_ERR_USER, PETSC_ERR_FILE_OPEN}) {
+    rule.code = code;
+    ElementHost host;
+    host.option("snes_trefoil_filter", "fails");
+    const CaughtError error;
+    EXPECT_EQ(host.solve(6, 1, nothing), code);
   }
 }
 
