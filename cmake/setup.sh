@@ -6,7 +6,7 @@ cd "$(dirname "$0")/.."
 
 packages="g++ cmake make pkg-config
   petsc-dev libpetsc-real-dev libopenmpi-dev openmpi-bin libhdf5-openmpi-dev libmetis-dev
-  libopenblas0-pthread libopenblas-dev libmuparser-dev nlohmann-json3-dev
+  libopenblas0-pthread libopenblas-dev libmuparser-dev libyaml-dev nlohmann-json3-dev
   python3 python3-numpy python3-h5py python3-matplotlib libjs-three"
 tests=OFF
 if [ "${1:-}" = tests ]; then

@@ -1,17 +1,21 @@
 // trefoil: a tetrahedral mesh of an elastic body, held here and moved there, to its equilibrium.
 //
-//   mpirun -n 2 trefoil -options_file examples/knot.yaml -snes_trefoil_record knot.json
+//   mpirun -n 2 trefoil examples/knot.yaml -snes_trefoil_record knot.json
 //
-// Exit status: 0 converged, or -help, which solves nothing; 1 bad input, 3 not converged.
+// Exit status: 0 converged, or help, which solves nothing; 1 bad input, 3 not converged or out of
+// memory.
 
 #include <petsctime.h>
 
+#include <cstdio>
 #include <exception>
+#include <new>
 #include <string>
 
 #include "output/result.hpp"
+#include "program/arguments.hpp"
+#include "program/help.hpp"
 #include "program/program_errors.hpp"
-#include "scene/option_reader.hpp"
 #include "scene/scene.hpp"
 #include "scene/solve.hpp"
 #include "scene/solver_help.hpp"
@@ -19,15 +23,12 @@
 #include "support/text_file.hpp"
 #include "trefoil.h"
 
-static const char help[] =
-    "Finds the equilibrium of an elastic body: a mesh, a material, what is held and what is "
-    "moved.\n"
-    "Options come from a YAML file, -options_file scene.yaml, or from the command line; what "
-    "comes\n"
-    "later wins.\n\n";
+namespace trefoil {
+namespace {
 
-static PetscErrorCode run(double begin, bool *converged) {
-  using namespace trefoil;
+constexpr int success = 0, bad_input = 1, not_converged = 3;
+
+PetscErrorCode run(const Arguments &arguments, double begin, int *status) {
   const MPI_Comm comm = PETSC_COMM_WORLD;
   SceneOptions options;
   Scene scene;
@@ -39,17 +40,17 @@ static PetscErrorCode run(double begin, bool *converged) {
 
   PetscFunctionBeginUser;
   PetscCall(TrefoilInitializePackage());
-  PetscCall(read_scene_options(comm, &options));
   PetscCall(PetscOptionsHasHelp(nullptr, &asks_for_help));
   if (asks_for_help) {
     PetscCall(print_solver_help(comm));
-    *converged = true;
     PetscFunctionReturn(PETSC_SUCCESS);
   }
+  options.scene_files = arguments.scene_files;
+  PetscCall(read_scene_options(comm, &options));
   PetscCall(check_outputs(comm, options));
   PetscCall(build_scene(comm, options, &scene));
   PetscCall(solve_scene(scene, &outcome));
-  *converged = outcome.converged;
+  if (!outcome.converged) *status = not_converged;
 
   PetscCall(PetscTime(&solved));
   PetscCall(write_fields(scene));
@@ -63,28 +64,71 @@ static PetscErrorCode run(double begin, bool *converged) {
     PetscCall(write_text_file(comm, options.record_file, record + "\n"));
   }
   PetscCall(print_summary(comm, record));
-  PetscCall(print_unused_options(comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// Runs PETSc, and in it the scene. @return the exit status; an error is kept
+int run_with_petsc(Arguments &arguments, double begin, bool *has_failed) {
+  int status = success;
+  int argc = static_cast<int>(arguments.words.size()) + 1;
+  char **argv = arguments.argv();
+  PetscErrorCode error = PetscInitialize(&argc, &argv, nullptr, scene_help().c_str());
+  keep_errors();  // PetscInitialize may have installed its own
+  if (!error) error = announce_signals();
+  try {
+    if (!error) error = run(arguments, begin, &status);
+  } catch (const std::bad_alloc &) {
+    error = PETSC_ERR_MEM;
+    keep_error("there is not enough memory");
+  } catch (const std::exception &problem) {
+    error = PETSC_ERR_LIB;
+    keep_error(std::string("stopped by an unexpected error: ") + problem.what());
+  }
+  *has_failed = error != PETSC_SUCCESS;
+  if (*has_failed) status = bad_input;
+  return status;
+}
+
+/// Prints on one rank. @return the exit status
+int print(const std::string &text, std::FILE *file, int status) {
+  int rank = 0;
+  MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+  if (rank == 0) std::fputs(text.c_str(), file);
+  return status;
+}
+
+int run_task(Arguments &arguments, double begin, bool *has_failed) {
+  int ranks = 0;
+  MPI_Comm_size(MPI_COMM_WORLD, &ranks);
+  switch (arguments.task) {
+    case Arguments::Task::usage:
+      return print(short_help(), stderr, bad_input);
+    case Arguments::Task::help:
+      return print(short_help(), stdout, success);
+    case Arguments::Task::version:
+      return print(version_text(ranks), stdout, success);
+    case Arguments::Task::run:
+      break;
+  }
+  return run_with_petsc(arguments, begin, has_failed);
+}
+
+}  // namespace
+}  // namespace trefoil
+
 int main(int argc, char **argv) {
-  constexpr int bad_input = 1, not_converged = 3;
-  bool converged = false;
+  bool has_failed = false;
+  trefoil::Arguments arguments;
   MPI_Init(&argc, &argv);
   const double begin = MPI_Wtime();
   trefoil::use_one_thread_a_rank();
   trefoil::keep_errors();
-  if (!trefoil::can_read_arguments(argc, argv)) return trefoil::finish_ranks(bad_input);
-  PetscErrorCode error = PetscInitialize(&argc, &argv, nullptr, help);
-  if (error) return trefoil::finish_ranks(bad_input);
-  trefoil::keep_errors();  // PetscInitialize may have installed its own
-  trefoil::announce_signals();
-  try {
-    error = run(begin, &converged);
-  } catch (const std::exception &problem) {
-    trefoil::keep_error(std::string("stopped by an unexpected error: ") + problem.what());
-    return trefoil::finish_ranks(bad_input);
+  trefoil::leave_signals_alone();
+  int status = trefoil::bad_input;
+  if (trefoil::read_arguments(argc, argv, &arguments)) {
+    status = trefoil::run_task(arguments, begin, &has_failed);
+  } else {
+    has_failed = true;
   }
-  if (error) return trefoil::finish_ranks(bad_input);
-  return trefoil::finish_ranks(converged ? 0 : not_converged);
+  return trefoil::finish_ranks(status, has_failed);
 }

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "mesh/mesh.hpp"
-#include "scene/load_options.hpp"
+#include "scene/scene_options.hpp"
 
 namespace trefoil {
 

@@ -6,36 +6,29 @@
 namespace trefoil {
 namespace {
 
-std::string names_of_models() {
-  std::string list;
-  for (const std::string &name : material_names()) list += (list.empty() ? "" : ", ") + name;
-  return list;
-}
+constexpr double largest = 1e300;
 
 /// E and nu, or mu and lambda: two numbers, and not one of each pair.
-PetscErrorCode read_constants(MPI_Comm comm, OptionReader &reader, const std::string &option,
-                              ElasticConstants *constants) {
-  std::optional<double> young, poisson, mu, lambda;
+PetscErrorCode set_constants(MPI_Comm comm, const std::string &prefix, const MaterialInput &input,
+                             ElasticConstants *constants) {
+  const char *name = prefix.c_str();
   PetscFunctionBeginUser;
-  PetscCall(reader.number(option + "_young", "Young's modulus, force per area (1e6)", &young));
-  PetscCall(reader.number(option + "_poisson", "Poisson's ratio (0.45)", &poisson));
-  PetscCall(reader.number(option + "_mu", "Instead: shear modulus, force per area", &mu));
-  PetscCall(reader.number(option + "_lambda", "Instead: Lame's first constant", &lambda));
-  const char *name = option.c_str();
-  if (mu || lambda) {
-    PetscCheck(mu && lambda && !young && !poisson, comm, PETSC_ERR_USER_INPUT,
+  if (input.mu || input.lambda) {
+    PetscCheck(input.mu && input.lambda && !input.young && !input.poisson, comm,
+               PETSC_ERR_USER_INPUT,
                "give -%s_young and -%s_poisson, or -%s_mu and -%s_lambda, not parts of both", name,
                name, name, name);
-    PetscCheck(*mu > 0 && *mu < 1e300, comm, PETSC_ERR_USER_INPUT,
-               "-%s_mu is %g; the shear modulus must be positive", name, *mu);
-    PetscCheck(*lambda > -2 * *mu / 3 && *lambda < 1e300, comm, PETSC_ERR_USER_INPUT,
-               "-%s_lambda is %g; it must lie above -2/3 of -%s_mu, %g", name, *lambda, name, *mu);
-    *constants = ElasticConstants::from_lame(*mu, *lambda);
+    const double mu = *input.mu, lambda = *input.lambda;
+    PetscCheck(mu > 0 && mu < largest, comm, PETSC_ERR_USER_INPUT,
+               "-%s_mu is %g; the shear modulus must be positive", name, mu);
+    PetscCheck(lambda > -2 * mu / 3 && lambda < largest, comm, PETSC_ERR_USER_INPUT,
+               "-%s_lambda is %g; it must lie above -2/3 of -%s_mu, %g", name, lambda, name, mu);
+    *constants = ElasticConstants::from_lame(mu, lambda);
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  constants->young = young.value_or(constants->young);
-  constants->poisson = poisson.value_or(constants->poisson);
-  PetscCheck(constants->young > 0 && constants->young < 1e300, comm, PETSC_ERR_USER_INPUT,
+  constants->young = input.young.value_or(constants->young);
+  constants->poisson = input.poisson.value_or(constants->poisson);
+  PetscCheck(constants->young > 0 && constants->young < largest, comm, PETSC_ERR_USER_INPUT,
              "-%s_young is %g; Young's modulus must be positive", name, constants->young);
   PetscCheck(constants->poisson > -1 && constants->poisson < 0.5, comm, PETSC_ERR_USER_INPUT,
              "-%s_poisson is %g; Poisson's ratio must lie above -1 and below 0.5", name,
@@ -43,48 +36,77 @@ PetscErrorCode read_constants(MPI_Comm comm, OptionReader &reader, const std::st
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode read_lame(MPI_Comm comm, OptionReader &reader, const std::string &option,
-                         MaterialParameters *parameters) {
-  std::string lame = parameters->lame == Lame::raw ? "raw" : "physical";
+PetscErrorCode set_parameters(MPI_Comm comm, const std::string &prefix, const MaterialInput &input,
+                              MaterialParameters *parameters) {
   PetscFunctionBeginUser;
-  PetscCall(reader.text(option + "_lame",
-                        "physical: E and nu of small strains; raw: the paper's constants", &lame));
-  PetscCheck(lame == "physical" || lame == "raw", comm, PETSC_ERR_USER_INPUT,
-             "-%s_lame knows no '%s'; it knows: physical, raw", option.c_str(), lame.c_str());
-  parameters->lame = lame == "raw" ? Lame::raw : Lame::physical;
+  PetscCall(set_constants(comm, prefix, input, &parameters->constants));
+  parameters->lame = input.lame == "raw" ? Lame::raw : Lame::physical;
   PetscCheck(parameters->lame == Lame::physical || parameters->constants.poisson > 0, comm,
              PETSC_ERR_USER_INPUT, "-%s_lame raw needs a positive Poisson's ratio, not %g",
-             option.c_str(), parameters->constants.poisson);
+             prefix.c_str(), parameters->constants.poisson);
+  parameters->volume = input.volume;
+  parameters->second_invariant = input.second_invariant;
+  const double second_invariant = parameters->second_invariant.value_or(0);
+  PetscCheck(second_invariant >= 0 && second_invariant <= 1, comm, PETSC_ERR_USER_INPUT,
+             "-%s_second_invariant is %g; it must lie between 0 and 1", prefix.c_str(),
+             second_invariant);
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// What is handed on to a region that does not say it; constants as set_constants() knows them.
+MaterialInput defaults_of(const MaterialOptions &options) {
+  const MaterialParameters &parameters = options.parameters;
+  MaterialInput input;
+  input.model = options.model;
+  if (parameters.lame == Lame::raw) input.lame = "raw";
+  input.volume = parameters.volume;
+  input.second_invariant = parameters.second_invariant;
+  return input;
 }
 
 }  // namespace
 
+std::vector<OptionRow> material_rows(const std::string &prefix, MaterialInput &input) {
+  const char *pressure = "force per area";
+  return {
+      {prefix + "_model", &input.model, "Energy density of strain", "", material_names(), true},
+      {prefix + "_young", &input.young, "Young's modulus E (1e6)", pressure, {}, true},
+      {prefix + "_poisson", &input.poisson, "Poisson's ratio nu (0.45)", "", {}, true},
+      {prefix + "_mu", &input.mu, "Instead: shear modulus", pressure},
+      {prefix + "_lambda", &input.lambda, "Instead: Lame's first constant", pressure},
+      {prefix + "_lame",
+       &input.lame,
+       "E and nu of small strains, or the paper's raw constants",
+       "",
+       {"physical", "raw"}},
+      {prefix + "_volume", &input.volume, "Weight kappa of the volume term kappa/2 (J-1)^2",
+       pressure},
+      {prefix + "_second_invariant", &input.second_invariant,
+       "Mooney-Rivlin: its part of the shear modulus, 0 to 1 (0.5)"},
+      {prefix + "_density",
+       &input.density,
+       "Density rho, for gravity (0)",
+       "mass per rest volume",
+       {},
+       true},
+  };
+}
+
 PetscErrorCode read_material(MPI_Comm comm, OptionReader &reader, const std::string &prefix,
                              MaterialOptions *options) {
-  MaterialParameters &parameters = options->parameters;
+  MaterialInput input = defaults_of(*options);
   PetscFunctionBeginUser;
-  const std::string model = options->model;
-  PetscCall(reader.text(prefix + "_model", names_of_models(), &options->model));
-  if (options->model != model) {  // what only some models know is not handed on to another
-    parameters.volume.reset();
-    parameters.second_invariant.reset();
-    parameters.lame = Lame::physical;
+  PetscCall(reader.read(material_rows(prefix, input).front()));
+  if (input.model != options->model) {  // what only some models know is not handed on to another
+    input.volume.reset();
+    input.second_invariant.reset();
+    input.lame = "physical";
   }
-  PetscCall(read_constants(comm, reader, prefix, &parameters.constants));
-  PetscCall(read_lame(comm, reader, prefix, &parameters));
-  PetscCall(reader.number(prefix + "_volume",
-                          "Weight kappa of the volume term kappa/2 (J-1)^2, force per area",
-                          &parameters.volume));
-  PetscCall(reader.number(prefix + "_second_invariant",
-                          "Mooney-Rivlin: its part of the shear modulus, 0 to 1 (0.5)",
-                          &parameters.second_invariant));
-  PetscCall(reader.number(prefix + "_density", "Mass per rest volume", &options->density));
-  const double second_invariant = parameters.second_invariant.value_or(0);
-  PetscCheck(second_invariant >= 0 && second_invariant <= 1, comm, PETSC_ERR_USER_INPUT,
-             "-%s_second_invariant is %g; it must lie between 0 and 1", prefix.c_str(),
-             second_invariant);
-  PetscCheck(options->density >= 0 && options->density < 1e300, comm, PETSC_ERR_USER_INPUT,
+  PetscCall(reader.read(material_rows(prefix, input)));
+  options->model = input.model;
+  options->density = input.density.value_or(options->density);
+  PetscCall(set_parameters(comm, prefix, input, &options->parameters));
+  PetscCheck(options->density >= 0 && options->density < largest, comm, PETSC_ERR_USER_INPUT,
              "-%s_density is %g; it must not be negative", prefix.c_str(), options->density);
   // The material says what it cannot be made of, here and not where the mesh has been read.
   const std::string complaint = complaint_of([&] { make_material(*options); });

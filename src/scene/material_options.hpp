@@ -3,9 +3,11 @@
 #include <petscsys.h>
 
 #include <memory>
+#include <optional>
 #include <string>
+#include <vector>
 
-#include "scene/option_reader.hpp"
+#include "scene/option_table.hpp"
 #include "trefoil/material_registry.hpp"
 
 namespace trefoil {
@@ -17,9 +19,17 @@ struct MaterialOptions {
   double density = 0;  ///< mass per rest volume; for gravity
 };
 
-/// Reads -PREFIX_model, _young, _poisson or _mu, _lambda and the rest, each with what `options` has
-/// as its default. Values out of range, and what no material can be made of, are errors with one
-/// sentence on all ranks. Collective.
+/// What the options say of a material, before it is known whether they make one.
+struct MaterialInput {
+  std::string model, lame = "physical";
+  std::optional<double> young, poisson, mu, lambda, volume, second_invariant, density;
+};
+
+/// The options -PREFIX_model, _young, _poisson or _mu, _lambda, and the rest.
+std::vector<OptionRow> material_rows(const std::string &prefix, MaterialInput &input);
+
+/// Reads them, each with what `options` has as its default. Values out of range, and what no
+/// material can be made of, are errors with one sentence on all ranks. Collective.
 PetscErrorCode read_material(MPI_Comm comm, OptionReader &reader, const std::string &prefix,
                              MaterialOptions *options);
 

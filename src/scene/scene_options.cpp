@@ -4,29 +4,40 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <utility>
 
 #include "scene/initial_displacement.hpp"
-#include "scene/option_reader.hpp"
+#include "scene/scene_option_rows.hpp"
+#include "scene/unknown_options.hpp"
 #include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
 namespace {
 
+PetscErrorCode read_regions(MPI_Comm comm, OptionReader &reader, SceneOptions *options) {
+  std::vector<std::string> names;
+  PetscFunctionBeginUser;
+  PetscCall(reader.read(names_row("regions", names)));
+  for (const std::string &name : names) {
+    const std::string option = "region_" + name;
+    RegionOptions region{name, "", "", options->material};
+    PetscCall(reader.read(region_rows(region)));
+    PetscCheck(region.where.empty() != region.group.empty(), comm, PETSC_ERR_USER_INPUT,
+               "region '%s' needs either -%s_where or -%s_group: say which cells it takes",
+               name.c_str(), option.c_str(), option.c_str());
+    PetscCall(read_material(comm, reader, option + "_material", &region.material));
+    options->regions.push_back(region);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode read_constraints(MPI_Comm comm, OptionReader &reader, SceneOptions *options) {
   std::vector<std::string> names;
   PetscFunctionBeginUser;
-  PetscCall(reader.names("constraints", "Names of the constraints, separated by commas", &names));
+  PetscCall(reader.read(names_row("constraints", names)));
   for (const std::string &name : names) {
-    PetscCheck(std::count(names.begin(), names.end(), name) == 1, comm, PETSC_ERR_USER_INPUT,
-               "-constraints names '%s' twice; give each constraint its own name", name.c_str());
     ConstraintOptions constraint{name, "", ""};
-    PetscCall(reader.text("constraint_" + name + "_where",
-                          "Which vertices: an expression in x y z t xmin..zmax",
-                          &constraint.where));
-    PetscCall(
-        reader.text("constraint_" + name + "_move",
-                    "Their displacement: an expression for each dimension, or free; zero without",
-                    &constraint.move));
+    PetscCall(reader.read(constraint_rows(constraint)));
     PetscCheck(!constraint.where.empty(), comm, PETSC_ERR_USER_INPUT,
                "constraint '%s' has no -constraint_%s_where: say which vertices it takes",
                name.c_str(), name.c_str());
@@ -35,16 +46,25 @@ PetscErrorCode read_constraints(MPI_Comm comm, OptionReader &reader, SceneOption
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode check_choice(MPI_Comm comm, const char *option, const std::string &value,
-                            std::initializer_list<const char *> choices) {
-  std::string list;
+PetscErrorCode read_loads(MPI_Comm comm, OptionReader &reader, LoadOptions *loads) {
+  std::vector<std::string> names;
   PetscFunctionBeginUser;
-  for (const char *choice : choices) {
-    if (value == choice) PetscFunctionReturn(PETSC_SUCCESS);
-    list += (list.empty() ? "" : ", ") + std::string(choice);
+  PetscCall(reader.read(gravity_rows(*loads)));
+  PetscCall(reader.read(names_row("loads", names)));
+  for (const std::string &name : names) {
+    PetscCheck(name != "gravity" && name != "steps", comm, PETSC_ERR_USER_INPUT,
+               "'%s' is no name for a load: -load_%s is an option of its own, in a scene file "
+               "load: {%s: ...}",
+               name.c_str(), name.c_str(), name.c_str());
+    TractionOptions load{name, "", ""};
+    PetscCall(reader.read(load_rows(load)));
+    PetscCheck(!load.where.empty() && !load.traction.empty(), comm, PETSC_ERR_USER_INPUT,
+               "load '%s' needs -load_%s_where and -load_%s_traction: say which facets it takes "
+               "and how it pulls at them",
+               name.c_str(), name.c_str(), name.c_str());
+    loads->tractions.push_back(load);
   }
-  SETERRQ(comm, PETSC_ERR_USER_INPUT, "-%s knows no '%s'; it knows: %s", option, value.c_str(),
-          list.c_str());
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /// Checked here and not only where a mesh is partitioned, which on one rank none is.
@@ -76,37 +96,25 @@ PetscErrorCode check_files(MPI_Comm comm, const SceneOptions &options) {
       options.output_file.empty()
           ? ""
           : std::filesystem::path(options.output_file).replace_extension(".h5").string();
-  for (const std::string &other : {options.mesh_file, options.output_file, data}) {
-    PetscCheck(!is_same_file(options.record_file, other), comm, PETSC_ERR_USER_INPUT,
-               "-snes_trefoil_record would write over '%s'; give the record another name",
-               other.c_str());
-  }
-  for (const std::string &written : {options.output_file, data}) {
-    PetscCheck(!is_same_file(written, options.mesh_file), comm, PETSC_ERR_USER_INPUT,
-               "-output_file would write over the mesh '%s'; give the output another name",
-               written.c_str());
+  std::vector<std::string> taken = options.scene_files;
+  taken.push_back(options.mesh_file);
+  const std::pair<std::string, std::string> written[] = {
+      {"output_file", options.output_file},
+      {"output_file", data},
+      {"snes_trefoil_record", options.record_file}};
+  for (const auto &[option, file] : written) {
+    for (const std::string &other : taken) {
+      PetscCheck(!is_same_file(file, other), comm, PETSC_ERR_USER_INPUT,
+                 "-%s would write over '%s'; give it another name", option.c_str(), other.c_str());
+    }
+    taken.push_back(file);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode check_values(MPI_Comm comm, const SceneOptions &options) {
+PetscErrorCode check_start(MPI_Comm comm, const SceneOptions &options) {
   PetscBool has_steps = PETSC_FALSE;
   PetscFunctionBeginUser;
-  PetscCheck(options.mesh_file.empty() != options.generate.empty(), comm, PETSC_ERR_USER_INPUT,
-             options.mesh_file.empty()
-                 ? "there is no mesh: give -mesh_file or -mesh_generate"
-                 : "a scene has one mesh: give either -mesh_file or -mesh_generate, not both");
-  PetscCall(check_partitioner(comm, options.partitioner));
-  PetscCall(check_choice(comm, "mesh_repair", options.repair, {"none", "drop"}));
-  PetscCheck(options.refine >= 0 && options.resolution >= 0, comm, PETSC_ERR_USER_INPUT,
-             "-mesh_refine and -mesh_resolution must not be negative");
-  PetscCheck(options.resolution == 0 || options.mesh_file.empty(), comm, PETSC_ERR_USER_INPUT,
-             "-mesh_resolution is for generated meshes; use -mesh_refine for a mesh from a file");
-  PetscCheck(options.load_steps > 0, comm, PETSC_ERR_USER_INPUT,
-             "-load_steps is %" PetscInt_FMT "; give 1 or more", options.load_steps);
-  PetscCall(check_files(comm, options));
-  PetscCall(check_choice(comm, "initial", options.initial,
-                         {"auto", "rest", "harmonic", "arap", "expression"}));
   PetscCheck((options.initial == "expression") == !options.initial_displacement.empty(), comm,
              PETSC_ERR_USER_INPUT,
              options.initial == "expression"
@@ -118,13 +126,28 @@ PetscErrorCode check_values(MPI_Comm comm, const SceneOptions &options) {
   const std::string initial = choose_initial(options);
   PetscCheck(!has_steps || initial == "arap", comm, PETSC_ERR_USER_INPUT,
              "-initial_steps is for -initial arap; the start is '%s'", initial.c_str());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode check_values(MPI_Comm comm, const SceneOptions &options) {
+  PetscFunctionBeginUser;
+  PetscCheck(options.mesh_file.empty() != options.generate.empty(), comm, PETSC_ERR_USER_INPUT,
+             options.mesh_file.empty()
+                 ? "there is no mesh: give -mesh_file or -mesh_generate"
+                 : "a scene has one mesh: give either -mesh_file or -mesh_generate, not both");
+  PetscCall(check_partitioner(comm, options.partitioner));
+  PetscCheck(options.refine >= 0 && options.resolution >= 0, comm, PETSC_ERR_USER_INPUT,
+             "-mesh_refine and -mesh_resolution must not be negative");
+  PetscCheck(options.resolution == 0 || options.mesh_file.empty(), comm, PETSC_ERR_USER_INPUT,
+             "-mesh_resolution is for generated meshes; use -mesh_refine for a mesh from a file");
   PetscCheck(options.order >= 0 && options.order <= 2, comm, PETSC_ERR_USER_INPUT,
              "-order is %" PetscInt_FMT
              "; elements are linear (1), quadratic (2), or as the mesh has them (0)",
              options.order);
-  PetscCall(
-      check_choice(comm, "snes_trefoil_space", options.filter_space, {"element", "deformation"}));
-  PetscCall(check_choice(comm, "assembly", options.assembly, {"split", "plain", "hook"}));
+  PetscCheck(options.load_steps > 0, comm, PETSC_ERR_USER_INPUT,
+             "-load_steps is %" PetscInt_FMT "; give 1 or more", options.load_steps);
+  PetscCall(check_start(comm, options));
+  PetscCall(check_files(comm, options));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -133,52 +156,15 @@ PetscErrorCode check_values(MPI_Comm comm, const SceneOptions &options) {
 PetscErrorCode read_scene_options(MPI_Comm comm, SceneOptions *options) {
   OptionReader reader(comm);
   PetscFunctionBeginUser;
-  PetscCall(reader.text("mesh_file", "Tetrahedra or triangles: Medit .mesh, Gmsh .msh 2.2 or 4.1",
-                        &options->mesh_file));
-  PetscCall(reader.text("mesh_generate", "A generated mesh: knot, box, cylinder, ball, square",
-                        &options->generate));
-  PetscCall(reader.integer("mesh_resolution", "Cells across a generated mesh; 0: 2-5 thousand",
-                           &options->resolution));
-  PetscCall(reader.integer("mesh_refine", "How often to halve all edges", &options->refine));
-  PetscCall(reader.flag("mesh_normalize", "Centre the vertices and scale the farthest to norm 1",
-                        &options->normalize));
-  PetscCall(reader.text("mesh_repair", "Tetrahedra without positive volume: none, or drop",
-                        &options->repair));
-  PetscCall(reader.text("mesh_partitioner", "metis, or a partitioner of PETSc such as ptscotch",
-                        &options->partitioner));
+  PetscCall(reader.read(mesh_rows(*options)));
   PetscCall(read_material(comm, reader, "material", &options->material));
-  PetscCall(read_regions(comm, reader, options->material, &options->regions));
-  PetscCall(read_loads(comm, reader, &options->loads));
-  PetscCall(
-      reader.integer("load_steps", "Solves on the way of t from 0 to 1", &options->load_steps));
+  PetscCall(read_regions(comm, reader, options));
   PetscCall(read_constraints(comm, reader, options));
-  PetscCall(
-      reader.text("initial",
-                  "Start: rest, prescribed vertices already moved; harmonic: their displacement "
-                  "spread over the body; arap: then as rigid as possible; auto: arap, but "
-                  "harmonic where a material is nearly incompressible; expression: "
-                  "-initial_displacement",
-                  &options->initial));
-  PetscCall(reader.integer("initial_steps", "Local/global steps of -initial arap",
-                           &options->initial_steps));
-  PetscCall(reader.text("initial_displacement",
-                        "Displacement that -initial expression starts from: three expressions in "
-                        "x y z xmin..zmax",
-                        &options->initial_displacement));
-  PetscCall(reader.integer("order", "Order of the elements: 1, 2; 0: as the mesh has it",
-                           &options->order));
-  PetscCall(reader.text("snes_trefoil_space", "What is filtered: element, deformation",
-                        &options->filter_space));
-  PetscCall(reader.text("assembly",
-                        "split: H and N at once, in batches; plain: the same by LAPACK and "
-                        "MatSetValues; hook: as a code that knows nothing of Trefoil",
-                        &options->assembly));
-  PetscCall(
-      reader.text("output_file", "Result for ParaView, an .xdmf file", &options->output_file));
-  PetscCall(reader.text("snes_trefoil_record", "JSON record of the run", &options->record_file));
-  if (reader.prints_help()) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(reader.refuse_unknown({"mesh_", "material_", "region", "load", "constraint", "initial",
-                                   "order", "assembly", "output_"}));
+  PetscCall(read_loads(comm, reader, &options->loads));
+  PetscCall(reader.read(solve_rows(*options)));
+  PetscCall(reader.read(output_rows(*options)));
+  PetscCall(reader.read(solver_rows(*options)));
+  PetscCall(refuse_unknown(comm, reader.known()));
   PetscCall(check_values(comm, *options));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

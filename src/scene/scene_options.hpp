@@ -5,9 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "scene/load_options.hpp"
 #include "scene/material_options.hpp"
-#include "scene/region_options.hpp"
 
 namespace trefoil {
 
@@ -18,30 +16,57 @@ struct ConstraintOptions {
   std::string move;   ///< expression with a value for each dimension, or `free`; empty: zero
 };
 
-/// A scene as the user describes it, see read_scene_options() for the names of the options.
+/// A part of the body with a material of its own: the cells where an expression holds, or those of
+/// one of the mesh file's groups.
+struct RegionOptions {
+  std::string name;
+  std::string where;  ///< expression, non-zero at the rest centroids of its cells; or
+  std::string group;  ///< name or number of a physical group of the mesh file
+  MaterialOptions material;
+};
+
+/// A dead load on a part of the surface.
+struct TractionOptions {
+  std::string name;
+  std::string where;     ///< expression, non-zero at all corners of the facets it takes
+  std::string traction;  ///< expression with a value for each dimension: force per rest area
+};
+
+/// What pulls at the body. All expressions may depend on t.
+struct LoadOptions {
+  std::string gravity;  ///< expression with a value for each dimension: acceleration; empty: none
+  std::vector<TractionOptions> tractions;
+
+  [[nodiscard]] bool any() const { return !gravity.empty() || !tractions.empty(); }
+};
+
+/// A scene as the user describes it, see scene_option_groups() for the names of the options.
 struct SceneOptions {
   std::string mesh_file, generate;
   PetscInt resolution = 0, refine = 0;
   bool normalize = false;
   std::string repair = "none", partitioner = "metis";
+  PetscInt order = 0;  ///< of the elements; 0: as the mesh has it, which generated ones have linear
   MaterialOptions material;
   std::vector<RegionOptions> regions;
+  std::vector<ConstraintOptions> constraints;
   LoadOptions loads;
   PetscInt load_steps = 1;
-  std::vector<ConstraintOptions> constraints;
   std::string initial = "auto";
-  std::string initial_displacement;  ///< expression with three values, for initial `expression`
-  PetscInt initial_steps = 20;       ///< local/global steps of arap
-  PetscInt order = 0;  ///< of the elements; 0: as the mesh has it, which generated ones have linear
+  std::string initial_displacement;      ///< expression, for initial `expression`
+  PetscInt initial_steps = 20;           ///< local/global steps of arap
   std::string filter_space = "element";  ///< -snes_trefoil_space, which the element term reads
   std::string assembly = "split";        ///< or "hook": through the plugin's watch on the Mat
   std::string output_file;
   std::string record_file;  ///< -snes_trefoil_record; the program completes and writes it
+  std::vector<std::string> scene_files;  ///< what the program has read: not to be written over
 };
 
 /// Reads the scene from PETSc's options. Misspelt names and values out of range are errors with one
-/// sentence on all ranks. For -help it prints them, and whether they make a scene is not asked.
-/// Collective.
+/// sentence on all ranks. Collective.
 PetscErrorCode read_scene_options(MPI_Comm comm, SceneOptions *options);
+
+/// All options of a scene, with their defaults; those of its named parts as of a part called NAME.
+std::vector<OptionGroup> scene_option_groups();
 
 }  // namespace trefoil

@@ -6,6 +6,7 @@
 #include "scene/load_steps.hpp"
 #include "scene/solver_help.hpp"
 #include "scene/start_check.hpp"
+#include "scene/unknown_options.hpp"
 #include "support/petsc_compatibility.hpp"
 #include "trefoil.h"
 
@@ -129,6 +130,16 @@ EnergyFunctional::Assembly assembly_of(const SceneOptions &options) {
                                      : EnergyFunctional::Assembly::split;
 }
 
+/// A monitor: when the first iteration has set up all solvers, what none of them has read is an
+/// error.
+PetscErrorCode refuse_unused_once(SNES snes, PetscInt iteration, PetscReal, void *) {
+  PetscFunctionBeginUser;
+  if (iteration == 1) {
+    PetscCall(refuse_unused_of_solver(PetscObjectComm(reinterpret_cast<PetscObject>(snes))));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /// CHOLMOD raises an error where a matrix is not positive definite; to a user that is a solve that
 /// did not converge.
 PetscErrorCode solve(SNES snes, Vec x) {
@@ -166,6 +177,7 @@ PetscErrorCode solve_from_start(Scene &scene, double head_start, SolveOutcome *o
   SNES snes = nullptr;
   const char *record = nullptr;
   SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
+  PetscInt linear_iterations = 0;
   EnergySums start;
   PetscFunctionBeginUser;
   PetscCall(SNESCreate(comm, &snes));
@@ -177,9 +189,13 @@ PetscErrorCode solve_from_start(Scene &scene, double head_start, SolveOutcome *o
   PetscCall(TrefoilSNESSetRecordFile(snes, ""));  // the program writes it, completed
   PetscCall(set_linear_solver(snes));
 
+  PetscCall(SNESMonitorSet(snes, refuse_unused_once, nullptr, nullptr));
   PetscCall(scene.functional->energy(scene.displacement, &start));
   PetscCall(check_start(scene, start.energy));
   PetscCall(solve(snes, scene.displacement));
+  PetscCall(SNESGetLinearSolveIterations(snes, &linear_iterations));
+  // There may have been no second iteration.
+  if (linear_iterations > 0) PetscCall(refuse_unused_of_solver(comm));
   PetscCall(SNESGetConvergedReason(snes, &reason));
   outcome->converged = reason > 0;
   PetscCall(TrefoilSNESGetRecord(snes, &record));

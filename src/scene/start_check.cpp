@@ -3,7 +3,7 @@
 #include <array>
 #include <cmath>
 
-#include "scene/option_reader.hpp"
+#include "scene/unknown_options.hpp"
 #include "support/petsc_compatibility.hpp"
 
 namespace trefoil {

@@ -58,7 +58,7 @@ class Run(unittest.TestCase):
     def test_what_is_refused_is_raised_as_one_sentence(self):
         with self.assertRaises(trefoil.TrefoilError) as refused:
             trefoil.run({"mesh": {"generate": "bax"}}, 2)
-        self.assertRegex(str(refused.exception), r"^no mesh of kind 'bax'")
+        self.assertRegex(str(refused.exception), r"^-mesh_generate knows no 'bax'")
         self.assertNotIn("\n", str(refused.exception))
         self.assertRaisesRegex(FileNotFoundError, "there is no scene nowhere.yaml", trefoil.run, "nowhere.yaml")
 

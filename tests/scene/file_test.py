@@ -122,7 +122,7 @@ class RunsAtOnce(InAFolder):
 
 class BrokenPipe(unittest.TestCase):
     def test_help_that_nobody_reads(self):
-        for options in ("-help",):
+        for options in ("-help", "--help all"):
             done = subprocess.run(["sh", "-c", f"{PROGRAM} {options} | true"],
                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
                                   env=environment(), timeout=60, check=True)

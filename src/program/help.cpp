@@ -1,0 +1,92 @@
+#include "program/help.hpp"
+
+#include <petscsys.h>
+
+#include <sstream>
+
+#include "scene/scene_options.hpp"
+#include "trefoil/instruction_set.hpp"
+
+namespace trefoil {
+namespace {
+
+constexpr std::size_t name_width = 28;
+
+/// "  -name      ", as wide as a column.
+std::string column(const std::string &name) {
+  std::string text = "  -" + name + " ";
+  if (text.size() < name_width) text.resize(name_width, ' ');
+  return text;
+}
+
+std::string joined(const std::vector<std::string> &words) {
+  std::string list;
+  for (const std::string &word : words) list += (list.empty() ? "" : ", ") + word;
+  return list;
+}
+
+/// One option with all that its row says.
+std::string described(const OptionRow &row) {
+  std::string text = column(row.name) + row.help;
+  if (!row.choices.empty()) text += ": " + joined(row.choices);
+  if (!row.unit.empty()) text += ", " + row.unit;
+  const std::string value = default_text(row.target);
+  if (!value.empty()) text += " (" + value + ")";
+  return text + "\n";
+}
+
+const char *name_of_kernels() {
+  switch (chosen_instruction_set()) {
+    case InstructionSet::avx512:
+      return "AVX-512";
+    case InstructionSet::avx2:
+      return "AVX2";
+    case InstructionSet::baseline:
+      break;
+  }
+  return "any processor";
+}
+
+}  // namespace
+
+std::string short_help() {
+  std::string text =
+      "Trefoil: the equilibrium of an elastic body, held here, moved or loaded there\n"
+      "usage: [mpirun -n 4] trefoil [--check] [scene.yaml ...] [-option value ...]\n"
+      "  trefoil examples/knot.yaml -output_file knot.xdmf\n"
+      "  mpirun -n 4 trefoil examples/knot.yaml -mesh_refine 1 -snes_trefoil_record knot.json\n"
+      "  trefoil --check examples/knot.yaml              builds the scene and solves nothing\n"
+      "-mesh_file a.msh is mesh: {file: a.msh} in a scene file; what comes later wins\n";
+  for (const OptionGroup &group : scene_option_groups()) {
+    std::string rows;
+    for (const OptionRow &row : group.rows) {
+      if (row.is_essential) rows += column(row.name) + row.help + "\n";
+    }
+    if (!rows.empty()) text += group.title + "\n" + rows;
+  }
+  return text + "Solver: any -snes_*, -ksp_* and -pc_* of PETSc, and\n" +
+         column("snes_trefoil_filter") + "Rule of the filter's weight (adaptive)\n" +
+         column("snes_trefoil_energy_tolerance") + "Where to stop, share of the energy (1e-8)\n" +
+         column("snes_trefoil_record") + "JSON record of the run\n" +
+         "--help all lists every option, --version what this is; examples/README.md explains\n";
+}
+
+std::string scene_help() {
+  std::ostringstream text;
+  for (const OptionGroup &group : scene_option_groups()) {
+    text << group.title << "\n";
+    for (const OptionRow &row : group.rows) text << described(row);
+  }
+  return text.str();
+}
+
+std::string version_text(int ranks) {
+  char petsc[256] = "";
+  static_cast<void>(PetscGetVersion(petsc, sizeof petsc));
+  std::string petsc_version = petsc;
+  petsc_version = petsc_version.substr(0, petsc_version.find(','));
+  return "Trefoil " TREFOIL_VERSION "\n" + petsc_version + "\n" + std::to_string(ranks) +
+         (ranks == 1 ? " rank" : " ranks") + ", kernels for " + name_of_kernels() + "\n";
+}
+
+}  // namespace trefoil

@@ -1,0 +1,170 @@
+#include "scene/scene_option_rows.hpp"
+
+namespace trefoil {
+namespace {
+
+const bool essential = true;
+const char *const length = "length";
+
+}  // namespace
+
+std::vector<OptionRow> mesh_rows(SceneOptions &options) {
+  return {
+      {"mesh_file", &options.mesh_file, "Medit .mesh, or Gmsh .msh 2.2 or 4.1", "", {}, essential},
+      {"mesh_generate",
+       &options.generate,
+       "Instead: a body made here",
+       "",
+       {"knot", "box", "cylinder", "ball", "square"},
+       essential},
+      {"mesh_resolution",
+       &options.resolution,
+       "Cells across it; 0: 2-5 thousand cells",
+       "",
+       {},
+       essential},
+      {"mesh_refine", &options.refine, "How often to halve all edges", "", {}, essential},
+      {"mesh_normalize", &options.normalize, "Centre the vertices, scale the farthest to norm 1"},
+      {"mesh_repair",
+       &options.repair,
+       "What to do with cells without positive volume",
+       "",
+       {"none", "drop"}},
+      {"mesh_partitioner", &options.partitioner, "metis, or one of PETSc's such as ptscotch"},
+      {"order",
+       &options.order,
+       "Elements: 1 linear, 2 quadratic, 0 as the mesh has them",
+       "",
+       {},
+       essential},
+  };
+}
+
+OptionRow names_row(const std::string &list, std::vector<std::string> &names) {
+  return {list, &names, "Names of the " + list + " where they are not written as keys"};
+}
+
+std::vector<OptionRow> region_rows(RegionOptions &region) {
+  const std::string option = "region_" + region.name;
+  return {
+      {option + "_where", &region.where, "Cells: formula at their centroids, x y z xmin..zmax"},
+      {option + "_group", &region.group, "Instead: group of the mesh file, by name or number"},
+  };
+}
+
+std::vector<OptionRow> constraint_rows(ConstraintOptions &constraint) {
+  const std::string option = "constraint_" + constraint.name;
+  return {
+      {option + "_where",
+       &constraint.where,
+       "Vertices: formula in x y z xmin..zmax",
+       "",
+       {},
+       essential},
+      {option + "_move",
+       &constraint.move,
+       "Displacement, or free, of each direction; 0 without",
+       length,
+       {},
+       essential},
+  };
+}
+
+std::vector<OptionRow> gravity_rows(LoadOptions &loads) {
+  return {{"load_gravity",
+           &loads.gravity,
+           "Acceleration; needs -material_density",
+           "length per time squared",
+           {},
+           essential}};
+}
+
+std::vector<OptionRow> load_rows(TractionOptions &load) {
+  const std::string option = "load_" + load.name;
+  return {
+      {option + "_where",
+       &load.where,
+       "Facets of the surface: formula at all their corners",
+       "",
+       {},
+       essential},
+      {option + "_traction",
+       &load.traction,
+       "Force per rest area, one formula a direction",
+       "force per area",
+       {},
+       essential},
+  };
+}
+
+std::vector<OptionRow> solve_rows(SceneOptions &options) {
+  return {
+      {"load_steps", &options.load_steps, "Solves on the way of t from 0 to 1", "", {}, essential},
+      {"initial",
+       &options.initial,
+       "Start: at rest; prescribed displacements spread (harmonic), then as rigid as possible "
+       "(arap); auto: arap, but harmonic where a material is nearly incompressible",
+       "",
+       {"auto", "rest", "harmonic", "arap", "expression"}},
+      {"initial_steps", &options.initial_steps, "Local/global steps of -initial arap"},
+      {"initial_displacement", &options.initial_displacement,
+       "What -initial expression starts from, in x y z xmin..zmax", length},
+      {"assembly",
+       &options.assembly,
+       "H and N at once, in batches; plain: by LAPACK and MatSetValues; hook: as a code that "
+       "knows nothing of Trefoil",
+       "",
+       {"split", "plain", "hook"}},
+  };
+}
+
+std::vector<OptionRow> output_rows(SceneOptions &options) {
+  return {{"output_file",
+           &options.output_file,
+           "Fields for ParaView, an .xdmf file",
+           "",
+           {},
+           essential}};
+}
+
+std::vector<OptionRow> solver_rows(SceneOptions &options) {
+  return {
+      {"snes_trefoil_space",
+       &options.filter_space,
+       "What is filtered",
+       "",
+       {"element", "deformation"}},
+      {"snes_trefoil_record", &options.record_file, "JSON record of the run"},
+  };
+}
+
+std::vector<OptionGroup> scene_option_groups() {
+  // Rows point to where their defaults stand, for as long as the program runs.
+  static SceneOptions options;
+  static RegionOptions region{"NAME", "", "", {}};
+  static ConstraintOptions constraint{"NAME", "", ""};
+  static TractionOptions load{"NAME", "", ""};
+  static MaterialInput material, region_material;
+  static std::vector<std::string> none;
+  material.model = options.material.model;
+
+  const auto joined = [](std::vector<std::vector<OptionRow>> parts) {
+    std::vector<OptionRow> all;
+    for (const auto &part : parts) all.insert(all.end(), part.begin(), part.end());
+    return all;
+  };
+  std::vector<OptionRow> of_region = material_rows("region_NAME_material", region_material);
+  for (OptionRow &row : of_region) row.is_essential = false;
+  return {
+      {"Mesh", mesh_rows(options)},
+      {"Material", material_rows("material", material)},
+      {"Regions with a material of their own",
+       joined({{names_row("regions", none)}, region_rows(region), of_region})},
+      {"Constraints", joined({{names_row("constraints", none)}, constraint_rows(constraint)})},
+      {"Loads", joined({gravity_rows(options.loads), {names_row("loads", none)}, load_rows(load)})},
+      {"Solve", solve_rows(options)},
+      {"Output", output_rows(options)},
+  };
+}
+
+}  // namespace trefoil
