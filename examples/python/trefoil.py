@@ -188,8 +188,7 @@ def run(scene, ranks=2, *, folder=None, program=None, timeout=None, **options):
     options = {"snes_trefoil_record": os.path.join(folder, "record.json"),
                "output_file": os.path.join(folder, "fields.xdmf"), **options}
     words = [word for name, value in options.items() for word in ("-" + name, _as_option(value))]
-    command = ["mpirun", "-n", str(ranks), program or find_program(),
-               "-options_file", _scene_file(scene, folder), *words]
+    command = ["mpirun", "-n", str(ranks), program or find_program(), _scene_file(scene, folder), *words]
     for earlier in (options["snes_trefoil_record"], options["output_file"]):
         if os.path.isfile(earlier):
             os.remove(earlier)  # nothing of an earlier run is taken for this one's

@@ -14,9 +14,9 @@ import body_series
 import trefoil
 
 BLOCK = {"mesh": {"generate": "box", "resolution": 2},
-         "material": {"model": "arap", "young": np.float64(1e3), "poisson": 0.3}, "constraints": ["floor", "top"],
-         "constraint": {"floor": {"where": "z == zmin", "move": "0, 0, 0"},
-                        "top": {"where": "z == zmax", "move": "0, 0, 0.2"}}}
+         "material": {"model": "arap", "young": np.float64(1e3), "poisson": 0.3},
+         "constraints": {"floor": {"where": "z == zmin", "move": "0, 0, 0"},
+                         "top": {"where": "z == zmax", "move": "0, 0, 0.2"}}}
 TEXT = """
 mesh: {generate: box, resolution: 2}
 material: {model: arap, young: 1e3, poisson: 0.3}
