@@ -65,10 +65,6 @@ double cell_size(const Box &all, double side, int bits) {
   return cell;
 }
 
-float rounded_down(double x) {
-  return static_cast<float>(x - 2e-7 * (1 + std::abs(x)));
-}
-
 }  // namespace
 
 SortedGrid::SortedGrid(const std::vector<Box> &first, const std::vector<Box> &second) {
@@ -90,8 +86,8 @@ void SortedGrid::set_up(const std::vector<Box> &first, const std::vector<Box> &s
     for (const Box &box : *boxes) {
       GridBox scaled;
       for (int i = 0; i < 3; ++i) {
-        scaled.low[i] = std::max(0.0F, rounded_down((box.low[i] - all.low[i]) / cell));
-        scaled.high[i] = -rounded_down((all.low[i] - box.high[i]) / cell);
+        scaled.low[i] = static_cast<float>((box.low[i] - all.low[i]) / cell);
+        scaled.high[i] = static_cast<float>((box.high[i] - all.low[i]) / cell);
       }
       int level = 0;
       double largest = most_cells * cell;

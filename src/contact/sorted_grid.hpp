@@ -22,8 +22,9 @@ struct Box {
 /// of eight times larger cells, and so on: no box lies in more than 4^3 cells, a floor of two
 /// triangles under a fine mesh included. Smaller boxes visit the larger grids where one is.
 ///
-/// Coordinates are kept in single precision, in units of a cell, rounded outwards: all pairs of
-/// overlapping boxes are found, and a few that miss each other by a millionth of the whole.
+/// Coordinates are kept in single precision, in units of a cell. Rounding keeps their order: all
+/// pairs of overlapping boxes are found, and a few that miss each other by a millionth of the
+/// whole.
 class SortedGrid {
  public:
   /// Of each pair one box belongs to `first`, one to `second`.

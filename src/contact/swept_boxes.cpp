@@ -62,14 +62,12 @@ SweptPrimitives swept_facets(const Surface &surface, const Sweep &sweep, const B
 Box region_of_rank(const Surface &surface, const Sweep &sweep, int rank) {
   if (rank < 0) return {{-inf, -inf, -inf}, {inf, inf, inf}};
   Box region = Sweep::empty_box();
+  // The owner of a facet owns the two edges at its first vertex: they span its box.
   for (int v = 0; v < surface.vertex_count(); ++v) {
     if (surface.vertex_data[v].owner == rank) sweep.extend(region, v);
   }
   for (int e = 0; e < surface.edge_count(); ++e) {
     if (surface.edge_data[e].owner == rank) unite(region, sweep.box_of(surface.edges[e]));
-  }
-  for (int f = 0; f < surface.facet_count(); ++f) {
-    if (surface.facet_data[f].owner == rank) unite(region, sweep.box_of(surface.facets[f]));
   }
   return region;
 }

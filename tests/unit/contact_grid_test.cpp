@@ -130,6 +130,20 @@ TEST(SortedGrid, BoxesThatTouch) {
   }
 }
 
+/// At places that are no round numbers, where rounding to the nearest would tear some apart.
+TEST(SortedGrid, BoxesThatTouchAnywhere) {
+  std::mt19937 random(10);
+  std::uniform_real_distribution<double> unit(0, 1);
+  std::vector<Box> boxes;
+  Vector3 low{unit(random), 0, 0};
+  for (int k = 0; k < 1000; ++k) {
+    const Vector3 high = low + Vector3{unit(random), 0.7, 0.1 * (k % 2)};
+    boxes.push_back({low, high});
+    low.x = high.x;
+  }
+  expect_all_pairs(boxes);
+}
+
 TEST(SortedGrid, ScatteredBodies) {
   std::mt19937 random(5);
   std::vector<Box> boxes;
@@ -269,6 +283,20 @@ TEST(Candidates, RanksShareThemOut) {
     EXPECT_EQ(together, find_candidates(surface, x, step, {0.1}));
     EXPECT_GT(together.size(), 500U);
   }
+}
+
+/// The last vertex of a tetrahedron belongs to a rank that owns nothing else, no edge or facet.
+TEST(Candidates, OfARankWithOneVertex) {
+  std::mt19937 random(11);
+  Surface surface = tetrahedra(2, 0.3, 0.1, random);
+  surface.vertices[3].owner = surface.vertex_data[3].owner = 1;
+  std::vector<ContactPair> expected = find_candidates(surface, surface.rest_positions(), {}, {0.5});
+  std::erase_if(expected, [](const ContactPair &pair) {
+    return pair.kind != PairKind::vertex_triangle || pair.first != 3;
+  });
+  ASSERT_GT(expected.size(), 1U);
+  EXPECT_EQ(find_candidates(surface, surface.rest_positions(), {}, {0.5, true, false, 1}),
+            expected);
 }
 
 TEST(Candidates, NothingThere) {

@@ -87,6 +87,25 @@ TEST(Orientation, OfThreePoints) {
   }
 }
 
+/// Points at a third of edges so long that their differences are rounded.
+TEST(Orientation, OfThreePointsWithRoundedDifferences) {
+  std::mt19937_64 random(6);
+  for (int trial = 0; trial < 20000; ++trial) {
+    const IntegerPoint a = random_point(random, (std::int64_t{1} << 53) - 2);
+    IntegerPoint b = random_point(random, (std::int64_t{1} << 53) - 2), c;
+    for (int i = 0; i < 3; ++i) {
+      b[i] -= (b[i] - a[i]) % 3;
+      c[i] = a[i] + (b[i] - a[i]) / 3 + (trial % 3 == i);
+    }
+    for (int dropped = 0; dropped < 3; ++dropped) {
+      const int i = (dropped + 1) % 3, j = (dropped + 2) % 3;
+      const Integer area =
+          Integer(b[i] - a[i]) * (c[j] - a[j]) - Integer(b[j] - a[j]) * (c[i] - a[i]);
+      ASSERT_EQ(orientation(scaled(a, 1), scaled(b, 1), scaled(c, 1), dropped), sign(area));
+    }
+  }
+}
+
 /// Where the filter cannot decide: coordinates of very different magnitudes.
 TEST(Orientation, OfMixedMagnitudes) {
   const double tiny = 1e-60;

@@ -10,7 +10,8 @@
 namespace trefoil::contact {
 
 /// Tetrahedra of some size, each a body of its own, at random places in a cube.
-/// @param ranks  each tetrahedron belongs to one of them, some are obstacles where `obstacles`
+/// @param ranks      the vertices of each belong to several of them
+/// @param obstacles  some tetrahedra are obstacles, some prescribed
 inline Surface tetrahedra(int count, double size, double cube, std::mt19937 &random, int ranks = 1,
                           bool obstacles = false) {
   std::uniform_real_distribution<double> place(0, cube);
@@ -22,7 +23,8 @@ inline Surface tetrahedra(int count, double size, double cube, std::mt19937 &ran
     const bool obstacle = obstacles && body % 5 == 4, prescribed = obstacles && body % 5 == 3;
     for (int v = 0; v < 4; ++v) {
       const Vector3 off{normal(random), normal(random), normal(random)};
-      vertices.push_back({middle + off, 4 * body + v + 100, body, obstacle ? -1 : body % ranks,
+      vertices.push_back({middle + off, 4 * body + v + 100, body,
+                          obstacle ? -1 : (body + v) % ranks,
                           obstacle     ? Role::obstacle
                           : prescribed ? Role::prescribed
                                        : Role::free});
@@ -74,7 +76,7 @@ inline Surface polygons(int count, double size, double square, std::mt19937 &ran
     const Vector3 middle{place(random), place(random), 0};
     for (int v = 0; v < 4; ++v) {
       const Vector3 off{normal(random), normal(random), 0};
-      vertices.push_back({middle + off, 4 * body + v, body, body % ranks, Role::free});
+      vertices.push_back({middle + off, 4 * body + v, body, (body + v) % ranks, Role::free});
       facets.push_back({{4 * body + v, 4 * body + (v + 1) % 4, -1}, 1.0 + body});
     }
   }
