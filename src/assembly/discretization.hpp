@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "mesh/mesh.hpp"
+#include "term/vertex_pairs.hpp"
 
 namespace trefoil {
 
@@ -41,6 +42,9 @@ class Discretization {
   /// The matrix of the Hessian, zero: AIJ with the pattern of the cells, block size 3 (in the plane
   /// 2) where every vertex is wholly free or wholly held, rigid-body modes attached. Collective.
   PetscErrorCode create_matrix(Mat *matrix) const;
+  /// Gives such a matrix another pattern: that of the cells and of further pairs of vertices, each
+  /// in both orders, of any ranks. Its values are zero then. Collective.
+  PetscErrorCode set_pattern(const VertexPairs &pairs, Mat matrix) const;
 
   /// Displacements of all local vertices: the unknowns of x, prescribed values where held.
   /// Collective. Give the array back with restore_local().
@@ -68,9 +72,10 @@ class Discretization {
  private:
   PetscErrorCode number_dofs(const HeldDofs &held);
   PetscErrorCode attach_rigid_body_modes(Mat matrix) const;
-  PetscErrorCode create_vertex_graph(Mat *graph) const;
+  PetscErrorCode create_vertex_graph(const VertexPairs &pairs, Mat *graph) const;
   PetscErrorCode dofs_of_ghost_columns(Mat graph, std::vector<PetscInt> *dofs) const;
-  PetscErrorCode row_pattern(std::vector<PetscInt> *start, std::vector<PetscInt> *column) const;
+  PetscErrorCode row_pattern(const VertexPairs &pairs, std::vector<PetscInt> *start,
+                             std::vector<PetscInt> *column) const;
 
   Mesh *mesh_ = nullptr;
   Vec prescribed_ = nullptr;  ///< local: values where held, 0 elsewhere

@@ -5,8 +5,8 @@
 #include <memory>
 #include <vector>
 
-#include "assembly/batched_hessian.hpp"
 #include "assembly/discretization.hpp"
+#include "assembly/hessian_assembler.hpp"
 #include "term/term.hpp"
 #include "trefoil.h"
 
@@ -16,8 +16,10 @@ namespace trefoil {
 /// gradient, and Hessian with its element-wise negative part.
 class EnergyFunctional {
  public:
+  EnergyFunctional(const EnergyFunctional &) = delete;
+  EnergyFunctional &operator=(const EnergyFunctional &) = delete;
   explicit EnergyFunctional(const Discretization &discretization)
-      : discretization_(discretization) {}
+      : discretization_(discretization), hessian_(discretization, terms_) {}
 
   void add_term(std::unique_ptr<Term> term) { terms_.push_back(std::move(term)); }
 
@@ -31,8 +33,20 @@ class EnergyFunctional {
   PetscErrorCode energy_at_rest(double *energy) const;
   /// The gradient of f, for the unknowns. Collective.
   PetscErrorCode gradient(Vec x, Vec g) const;
-  /// H, and N in *negative (see TrefoilSplitJacobianFunction, whose contract this is). Collective.
-  PetscErrorCode hessian(Vec x, Mat H, Mat *negative, TrefoilSplitStatistics *statistics) const;
+  /// H, and N in *negative (see TrefoilSplitJacobianFunction, whose contract this is). Where terms
+  /// couple vertices without a common cell, H may get another pattern and *negative be made anew.
+  /// Collective.
+  PetscErrorCode hessian(Vec x, Mat H, Mat *negative, TrefoilSplitStatistics *statistics,
+                         const HessianFilter &filter = {});
+
+  /// Sets the time of loads and of all else that moves. Collective.
+  PetscErrorCode set_time(double time);
+  /// Tells the terms of the time step that is to be solved. Collective.
+  PetscErrorCode begin_step(const StepState &state);
+  /// Tells them that x is its result. Collective.
+  PetscErrorCode accept_step(Vec x);
+  /// The largest step a <= first along d that all terms allow. Collective.
+  PetscErrorCode largest_step(Vec x, Vec d, double first, double *largest) const;
 
   /// The same elements with energies that spread displacements. Shares what is prepared; this
   /// object must outlive it.
@@ -52,12 +66,9 @@ class EnergyFunctional {
     plain,  ///< the same, one element at a time by LAPACK and MatSetValues: the slow reference
     hook    ///< from the plugin's watch on the Mat, as in a code that knows nothing of it
   };
-  /// A floor under the filtered eigenvalues; elements then go one by one, as with Assembly::plain.
-  void set_floor(const EigenvalueFloor &floor) { floor_ = floor; }
-
   /// Finds the places of the elements in matrices like H, once, before the first Hessian; done
   /// there if not here. Collective.
-  PetscErrorCode prepare(Mat H);
+  PetscErrorCode prepare(Mat H) { return hessian_.prepare(H); }
 
   /// Gives SNES the callbacks. Collective; this object must outlive the SNES.
   PetscErrorCode attach(SNES snes, Mat H, Assembly assembly);
@@ -65,16 +76,9 @@ class EnergyFunctional {
   [[nodiscard]] double bytes() const;
 
  private:
-  [[nodiscard]] bool is_batched() const;
-  PetscErrorCode assemble(const PetscScalar *u, Mat H, Mat N, bool filtering,
-                          TrefoilSplitStatistics *statistics) const;
-
   const Discretization &discretization_;
   std::vector<std::unique_ptr<Term>> terms_;
-  Assembly assembly_ = Assembly::split;
-  EigenvalueFloor floor_;
-  /// Set up with the first matrix.
-  std::shared_ptr<BatchedHessian> batched_ = std::make_shared<BatchedHessian>();
+  HessianAssembler hessian_;
 };
 
 }  // namespace trefoil

@@ -1,51 +1,82 @@
 #pragma once
 
-#include <petscmat.h>
-
+#include <memory>
+#include <utility>
 #include <vector>
 
 #include "assembly/discretization.hpp"
+#include "assembly/packed_assembler.hpp"
 #include "filter/filter.hpp"
 #include "term/term.hpp"
 #include "trefoil.h"
 
 namespace trefoil {
 
-/// Filters element Hessians in batches and inserts H_e and N_e into two matrices with MatSetValues;
-/// rows and columns of held dofs drop out. Either matrix may be null: then it is not filled.
-class HessianAssembler final : public ElementHessianSink {
+/// How Hessians are filtered.
+struct HessianFilter {
+  double weight = 1;      ///< w > 0 of the H + 2 w N that will be made
+  EigenvalueFloor floor;  ///< under the filtered eigenvalues; elements then go one by one
+};
+
+/// Assembles the Hessian of a sum of terms and its negative part, each term by its own path, see
+/// HessianKind. Constant parts are made once and added as matrices. Where terms couple vertices
+/// without a common cell, the pattern of H follows them, and what the cells contribute is summed
+/// up in matrices of its own pattern.
+class HessianAssembler {
  public:
-  HessianAssembler(const Discretization &discretization, Mat H, Mat negative,
-                   TrefoilSplitStatistics *statistics)
-      : discretization_(discretization), H_(H), negative_(negative), statistics_(*statistics) {}
+  using Terms = std::vector<std::unique_ptr<Term>>;
 
-  PetscErrorCode add(int n, const PetscInt *dofs, const double *H) override;
-  PetscErrorCode add_split(int n, const PetscInt *dofs, const double *H, const double *N,
-                           int negative) override;
-  /// Works off what the last batch still holds. Not collective.
-  PetscErrorCode flush();
+  /// Keeps references to both.
+  HessianAssembler(const Discretization &discretization, const Terms &terms)
+      : discretization_(discretization), terms_(terms) {}
+  HessianAssembler(const HessianAssembler &) = delete;
+  HessianAssembler &operator=(const HessianAssembler &) = delete;
+  ~HessianAssembler();
 
-  /// Number of negative eigenvalues of each element, in the order of add(); kept if asked for.
-  void keep_counts(std::vector<double> *counts) { counts_ = counts; }
-  /// With false, H is inserted as it is and nothing is filtered.
-  void set_filtering(bool filtering) { filtering_ = filtering; }
-  /// Keeps the filtered eigenvalues of the elements above a floor.
-  void set_floor(const EigenvalueFloor &floor) { floor_ = floor; }
+  /// No batches: every matrix on its own, by LAPACK and MatSetValues.
+  void go_one_by_one(bool one_by_one) { one_by_one_ = one_by_one; }
+  /// Uses the places that another assembler has found for the same packs.
+  void share_places(const HessianAssembler &other) {
+    if (other.packed_->ready()) packed_ = other.packed_;
+  }
+
+  /// Finds the places of the elements in matrices of the cells' pattern, such as H; done with the
+  /// first matrix if not here. Collective.
+  PetscErrorCode prepare(Mat H);
+
+  /// Sets H and N, either of which may be null, at local displacements u.
+  /// @param filter null: nothing is split
+  /// Collective.
+  PetscErrorCode assemble(const double *u, Mat H, Mat N, const HessianFilter *filter,
+                          TrefoilSplitStatistics *statistics);
+
+  /// Where terms couple pairs of vertices: chooses the pairs for u, and where they are others than
+  /// before gives H their pattern and destroys N, which no longer fits. Before assemble().
+  /// Collective.
+  PetscErrorCode update_pattern(const double *u, Mat H, Mat *N);
+
+  /// Number of negative eigenvalues of each cell's element. Collective.
+  PetscErrorCode count_negative(const double *u, std::vector<double> *counts) const;
+
+  [[nodiscard]] double bytes() const { return packed_->bytes(); }
 
  private:
-  static constexpr int batch_size = 64;
-  PetscErrorCode insert(Mat matrix, const double *values, int e) const;
+  [[nodiscard]] bool goes_in_batches(const Term &term, const HessianFilter *filter) const;
+  PetscErrorCode assemble_in_batches(const double *u, Mat H, Mat N, const HessianFilter *filter,
+                                     TrefoilSplitStatistics *statistics);
+  PetscErrorCode assemble_one_by_one(const double *u, Mat H, Mat N, const HessianFilter *filter,
+                                     TrefoilSplitStatistics *statistics) const;
+  PetscErrorCode add_constants(Mat H);
+  void shift_filter(const ElementPacks &cells, PetscInt first, PetscInt count, double *K) const;
+  void shift_stencil(const Term &term, const Stencil &stencil, double *H) const;
 
   const Discretization &discretization_;
-  Mat H_, negative_;
-  TrefoilSplitStatistics &statistics_;
-  bool filtering_ = true;
-  EigenvalueFloor floor_;
-  std::vector<double> *counts_ = nullptr;
-  int n_ = 0, batch_ = 0;
-  std::vector<PetscInt> global_;
-  std::vector<double> hessians_, negatives_;
-  std::vector<int> negative_counts_;
+  const Terms &terms_;
+  bool one_by_one_ = false;
+  std::shared_ptr<PackedAssembler> packed_ = std::make_shared<PackedAssembler>();
+  std::vector<std::pair<const Term *, Mat>> constants_;
+  bool has_pairs_ = false;             ///< H has places for pairs of vertices without a common cell
+  Mat cells_[2] = {nullptr, nullptr};  ///< the cells' part of H and N then
 };
 
 }  // namespace trefoil

@@ -25,8 +25,8 @@ PetscErrorCode copy_rows(Mat matrix, std::vector<PetscInt> *start, std::vector<P
 
 /// The graph of the owned vertices and their neighbours, themselves included, as an AIJ matrix with
 /// a row a vertex. PETSc's coordinate format makes it from the cells' pairs of vertices, those of
-/// other ranks' cells included.
-PetscErrorCode Discretization::create_vertex_graph(Mat *graph) const {
+/// other ranks' cells included, and from the further ones.
+PetscErrorCode Discretization::create_vertex_graph(const VertexPairs &pairs, Mat *graph) const {
   const Mesh &mesh = *mesh_;
   const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(mesh.dm));
   PetscFunctionBeginUser;
@@ -42,6 +42,10 @@ PetscErrorCode Discretization::create_vertex_graph(Mat *graph) const {
       }
     }
   }
+  row.insert(row.end(), pairs.first.begin(), pairs.first.end());
+  row.insert(row.end(), pairs.second.begin(), pairs.second.end());
+  column.insert(column.end(), pairs.second.begin(), pairs.second.end());
+  column.insert(column.end(), pairs.first.begin(), pairs.first.end());
   const auto owned = static_cast<PetscInt>(std::count(mesh.owned.begin(), mesh.owned.end(), 1));
   PetscCall(MatCreate(comm, graph));
   PetscCall(MatSetSizes(*graph, owned, owned, PETSC_DETERMINE, PETSC_DETERMINE));
@@ -87,14 +91,14 @@ PetscErrorCode Discretization::dofs_of_ghost_columns(Mat graph, std::vector<Pets
 }
 
 /// The exact pattern: each free dof's row has the free dofs of its vertex's neighbours.
-PetscErrorCode Discretization::row_pattern(std::vector<PetscInt> *start,
+PetscErrorCode Discretization::row_pattern(const VertexPairs &pairs, std::vector<PetscInt> *start,
                                            std::vector<PetscInt> *column) const {
   const Mesh &mesh = *mesh_;
   Mat graph = nullptr, parts[2] = {nullptr, nullptr};
   PetscBool sequential = PETSC_FALSE;
   std::vector<PetscInt> own_dofs, ghost_dofs, neighbours[2], first[2];
   PetscFunctionBeginUser;
-  PetscCall(create_vertex_graph(&graph));
+  PetscCall(create_vertex_graph(pairs, &graph));
   PetscCall(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(graph), MATSEQAIJ, &sequential));
   parts[0] = graph;
   if (!sequential) {
@@ -135,21 +139,29 @@ PetscErrorCode Discretization::row_pattern(std::vector<PetscInt> *start,
 }
 
 PetscErrorCode Discretization::create_matrix(Mat *matrix) const {
-  const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(mesh_->dm));
-  std::vector<PetscInt> start, column;
+  PetscInt rows = 0;
   PetscFunctionBeginUser;
-  PetscCall(row_pattern(&start, &column));
-  const auto rows = static_cast<PetscInt>(start.size()) - 1;
-  PetscCall(MatCreate(comm, matrix));
+  for (std::size_t dof = 0; dof < global_dofs_.size(); ++dof) {
+    rows += mesh_->owned[dof / 3] && global_dofs_[dof] >= 0;
+  }
+  PetscCall(MatCreate(PetscObjectComm(reinterpret_cast<PetscObject>(mesh_->dm)), matrix));
   PetscCall(MatSetSizes(*matrix, rows, rows, PETSC_DETERMINE, PETSC_DETERMINE));
   PetscCall(MatSetBlockSize(*matrix, block_size_));
   PetscCall(MatSetType(*matrix, MATAIJ));
-  // Of the two, the one for the type that the matrix has takes effect. Values: zeros.
-  PetscCall(MatSeqAIJSetPreallocationCSR(*matrix, start.data(), column.data(), nullptr));
-  PetscCall(MatMPIAIJSetPreallocationCSR(*matrix, start.data(), column.data(), nullptr));
-  PetscCall(MatSetOption(*matrix, MAT_SYMMETRIC, PETSC_TRUE));
-  PetscCall(MatSetOption(*matrix, MAT_SYMMETRY_ETERNAL, PETSC_TRUE));
+  PetscCall(set_pattern({}, *matrix));
   PetscCall(attach_rigid_body_modes(*matrix));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Discretization::set_pattern(const VertexPairs &pairs, Mat matrix) const {
+  std::vector<PetscInt> start, column;
+  PetscFunctionBeginUser;
+  PetscCall(row_pattern(pairs, &start, &column));
+  // Of the two, the one for the type that the matrix has takes effect. Values: zeros.
+  PetscCall(MatSeqAIJSetPreallocationCSR(matrix, start.data(), column.data(), nullptr));
+  PetscCall(MatMPIAIJSetPreallocationCSR(matrix, start.data(), column.data(), nullptr));
+  PetscCall(MatSetOption(matrix, MAT_SYMMETRIC, PETSC_TRUE));
+  PetscCall(MatSetOption(matrix, MAT_SYMMETRY_ETERNAL, PETSC_TRUE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

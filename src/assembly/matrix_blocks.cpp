@@ -188,10 +188,13 @@ void MatrixBlocks::collect_outgoing() {
 }
 
 PetscErrorCode MatrixBlocks::begin_placing(const Discretization &discretization, Mat matrix) {
+  MatInfo info;
   PetscFunctionBeginUser;
   discretization_ = &discretization;
   dim_ = static_cast<std::size_t>(discretization.mesh().dimension());
   comm_ = PetscObjectComm(reinterpret_cast<PetscObject>(matrix));
+  PetscCall(MatGetInfo(matrix, MAT_LOCAL, &info));
+  numbers_ = info.nz_used;
   PetscCall(find_rows(matrix));
   collect_outgoing();
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -266,6 +269,10 @@ double MatrixBlocks::bytes() const {
 PetscErrorCode MatrixBlocks::begin(Mat matrix, Target *target) const {
   Mat parts[2];
   PetscFunctionBeginUser;
+  MatInfo info;
+  PetscCall(MatGetInfo(matrix, MAT_LOCAL, &info));
+  PetscCheck(info.nz_used == numbers_, PETSC_COMM_SELF, PETSC_ERR_PLIB,
+             "places were found in a matrix of another pattern");
   target->matrix = matrix;
   PetscCall(MatZeroEntries(matrix));
   PetscCall(parts_of(matrix, parts, nullptr));

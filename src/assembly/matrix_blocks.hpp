@@ -5,8 +5,8 @@
 #include <array>
 #include <vector>
 
+#include "assembly/block_sums.hpp"
 #include "assembly/discretization.hpp"
-#include "element/block_sums.hpp"
 
 namespace trefoil {
 
@@ -61,6 +61,7 @@ class MatrixBlocks {
                          const std::vector<PetscMPIInt> &first_at_owner);
 
   std::size_t dim_ = 3;
+  double numbers_ = 0;  ///< of this rank's rows
   MPI_Comm comm_ = MPI_COMM_NULL;
   PetscInt row_begin_ = 0, row_end_ = 0;  ///< this rank's rows
   std::vector<PetscInt> row_ranges_;      ///< of all ranks

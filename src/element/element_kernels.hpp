@@ -3,6 +3,8 @@
 // The batched kernels of isoparametric simplices. Included only by the files that are compiled for
 // one instruction set each (element_kernels_*.cpp); everything in here depends on Pack<isa>.
 
+#include <algorithm>
+
 #include "element/element_modes.hpp"
 #include "element/element_packs.hpp"
 
@@ -64,16 +66,29 @@ struct Kernels {
     }
   };
 
+  /// sum_k U_k G_k', the gradient of displacements.
+  static void displacement_gradient(const Real (&U)[modes][dim], const Real (&G)[modes][dim],
+                                    Real (&gradient)[dim][dim]) {
+    for (int i = 0; i < dim; ++i) {
+      for (int j = 0; j < dim; ++j) {
+        Real sum = U[0][i] * G[0][j];
+        for (int k = 1; k < modes; ++k) sum += U[k][i] * G[k][j];
+        gradient[i][j] = sum;
+      }
+    }
+  }
+
   /// F = I + sum_k U_k G_k', as PackedFunctions takes it; in the plane F_33 = 1.
   static void deformation_gradient(const Real (&U)[modes][dim], const Real (&G)[modes][dim],
                                    double *F) {
+    Real gradient[dim][dim];
+    displacement_gradient(U, G, gradient);
     for (int i = 0; i < 3; ++i) {
       for (int j = 0; j < 3; ++j) {
-        Real sum = i == j ? 1.0 : 0.0;
-        if (i < dim && j < dim) {
-          for (int k = 0; k < modes; ++k) sum += U[k][i] * G[k][j];
-        }
-        sum.store(F + lanes * (3 * i + j));
+        const double identity = i == j ? 1.0 : 0.0;
+        const Real entry =
+            i < dim && j < dim ? gradient[i % dim][j % dim] + identity : Real(identity);
+        entry.store(F + lanes * (3 * i + j));
       }
     }
   }
@@ -107,6 +122,40 @@ struct Kernels {
     });
     sums[0] += energy.sum();
     sums[1] += scale.sum();
+  }
+
+  static void energy_changes(const MaterialModel &material, const ElementPacks &packed,
+                             PetscInt first, PetscInt count, const double *u, int directions,
+                             const double *const *d, int samples, const double *coefficients,
+                             double *changes) {
+    Real U[3][modes][dim], G[modes][dim];
+    alignas(64) double F[9 * lanes], moved[9 * lanes], psi[lanes];
+    for (PetscInt pack = first; pack < first + count; ++pack) {
+      const Elements elements(packed, pack);
+      elements.displacements(u, U[2]);
+      for (int k = 0; k < directions; ++k) elements.displacements(d[k], U[k]);
+      for (int q = 0; q < points; ++q) {
+        elements.gradients(q, G);
+        deformation_gradient(U[2], G, F);
+        Real step[2][dim][dim];
+        for (int k = 0; k < directions; ++k) displacement_gradient(U[k], G, step[k]);
+        material.energy_densities(F, psi);
+        const Real before = Real::load(psi), weight = elements.weight(q);
+        std::copy_n(F, 9 * lanes, moved);
+        for (int sample = 0; sample < samples; ++sample) {
+          const double *c = coefficients + directions * sample;
+          for (int i = 0; i < dim; ++i) {
+            for (int j = 0; j < dim; ++j) {
+              Real sum = Real::load(F + lanes * (3 * i + j));
+              for (int k = 0; k < directions; ++k) sum += c[k] * step[k][i][j];
+              sum.store(moved + lanes * (3 * i + j));
+            }
+          }
+          material.energy_densities(moved, psi);
+          changes[sample] += ((Real::load(psi) - before) * weight).sum();
+        }
+      }
+    }
   }
 
   static void forces(const MaterialModel &material, const ElementPacks &packed, PetscInt first,
@@ -196,16 +245,55 @@ struct Kernels {
 
   static void hessians(const MaterialModel &material, const ElementPacks &packed, PetscInt first,
                        PetscInt count, const double *u, double *K) {
-    alignas(64) double A[points * tangent_entries * lanes];
     for (PetscInt pack = first; pack < first + count; ++pack, K += entries * lanes) {
-      tangents(material, packed, pack, 1, u, A);
-      contract(packed, pack, 1, A, K);
+      if constexpr (points == 1) {
+        hessians_of_constant_strain(material, packed, pack, u, K);
+      } else {
+        alignas(64) double A[points * tangent_entries * lanes];
+        tangents(material, packed, pack, 1, u, A);
+        contract(packed, pack, 1, A, K);
+      }
     }
   }
 
-  /// H_ab = sum_kl Q[a][k] Q[b][l] K_kl: block (a, b), entry (i, m) at (nodes a + b) dim^2 + dim i
-  /// + m.
-  static void expand_blocks(const double *K, double *blocks) {
+  /// The same in one go, row by row, where there is one point: everything stays in registers.
+  static void hessians_of_constant_strain(const MaterialModel &material, const ElementPacks &packed,
+                                          PetscInt pack, const double *u, double *K) {
+    Real U[modes][dim], G[modes][dim];
+    alignas(64) double F[9 * lanes], A[81 * lanes];
+    const Elements elements(packed, pack);
+    elements.displacements(u, U);
+    elements.gradients(0, G);
+    deformation_gradient(U, G, F);
+    material.tangents(F, A);
+    const Real weight = elements.weight(0);
+#pragma GCC unroll 3
+    for (int k = 0; k < modes; ++k) {
+      Real weighted[dim];
+      for (int j = 0; j < dim; ++j) weighted[j] = weight * G[k][j];
+#pragma GCC unroll 3
+      for (int i = 0; i < dim; ++i) {
+        Real row[dim][dim];  // w sum_j G_k[j] dP_ij/dF_mn
+#pragma GCC unroll 9
+        for (int p = 0; p < dim * dim; ++p) {
+          const double *column = A + lanes * (27 * i + 3 * (p / dim) + p % dim);
+          Real sum = weighted[0] * Real::load(column);
+          for (int j = 1; j < dim; ++j) sum += weighted[j] * Real::load(column + 9 * lanes * j);
+          row[p / dim][p % dim] = sum;
+        }
+#pragma GCC unroll 9
+        for (int column = 0; column <= dim * k + i; ++column, K += lanes) {
+          const int l = column / dim, m = column % dim;
+          Real sum = row[m][0] * G[l][0];
+          for (int n = 1; n < dim; ++n) sum += row[m][n] * G[l][n];
+          sum.store(K);
+        }
+      }
+    }
+  }
+
+  /// Goes through half of the product, H_al = sum_k Q[a][k] K_kl, one pair of components at a time.
+  static void expand(const double *K, double *blocks) {
     for (int i = 0; i < dim; ++i) {
       for (int m = 0; m < dim; ++m) {
         Real half[nodes][modes];
@@ -217,63 +305,19 @@ struct Kernels {
           Modes::expand(column, x);
           for (int a = 0; a < nodes; ++a) half[a][l] = x[a];
         }
+        double *block = blocks + lanes * (dim * i + m);
         for (int a = 0; a < nodes; ++a) {
           Real row[nodes];
           Modes::expand(half[a], row);
-          for (int b = 0; b < nodes; ++b) {
-            row[b].store(blocks + lanes * ((nodes * a + b) * dim * dim + dim * i + m));
-          }
+          for (int b = a; b < nodes; ++b, block += dim * dim * lanes) row[b].store(block);
         }
       }
     }
   }
 
-  static void add_blocks(const ElementPacks &packed, PetscInt first, PetscInt count,
-                         const double *K, const int *chosen, const ElementPlaces &places,
-                         double *const arrays[3]) {
-    alignas(64) double blocks[nodes * nodes * dim * dim * lanes];
-    const std::int32_t *strides = places.stride.data(), *numbers = places.numbers.data();
-    for (PetscInt pack = 0; pack < count; ++pack) {
-      const int *wanted = chosen ? chosen + lanes * pack : nullptr;
-      bool any = !wanted;
-      for (int lane = 0; wanted && lane < lanes; ++lane) any = any || wanted[lane] > 0;
-      if (!any) continue;
-      expand_blocks(K + entries * lanes * pack, blocks);
-      const PetscInt begin = lanes * (first + pack);
-      for (int lane = 0; lane < lanes && begin + lane < packed.elements; ++lane) {
-        if (wanted && wanted[lane] <= 0) continue;
-        const std::ptrdiff_t cell = begin + lane;
-        const std::int32_t *code = places.code.data() + nodes * nodes * cell;
-        const PetscInt *node = packed.nodes.data() + nodes * lanes * (first + pack) + lane;
-        const double *from = blocks + lane;
-        for (int a = 0; a < nodes; ++a) {
-          const std::int32_t *stride = strides + 4 * node[lanes * a];
-          for (int b = 0; b < nodes; ++b, ++code, from += dim * dim * lanes) {
-            if (*code == ElementPlaces::nowhere) continue;
-            if ((*code & 3) == ElementPlaces::in_parts) {
-              add_in_parts(numbers + (*code >> 2), from, arrays);
-              continue;
-            }
-            double *to = arrays[*code & 3] + (*code >> 2);
-            const std::int32_t step = stride[*code & 3];
-            for (int i = 0; i < dim; ++i, to += step) {
-              for (int m = 0; m < dim; ++m) to[m] += from[lanes * (dim * i + m)];
-            }
-          }
-        }
-      }
-    }
+  static ElementKernels all() {
+    return {energy, energy_changes, forces, hessians, tangents, contract, expand};
   }
-
-  static void add_in_parts(const std::int32_t *number, const double *from,
-                           double *const arrays[3]) {
-    for (int k = 0; k < dim * dim; ++k) {
-      if (number[k] == ElementPlaces::nowhere) continue;
-      arrays[number[k] & 3][number[k] >> 2] += from[lanes * k];
-    }
-  }
-
-  static ElementKernels all() { return {energy, forces, hessians, tangents, contract, add_blocks}; }
 };
 
 }  // namespace

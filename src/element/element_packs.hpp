@@ -2,7 +2,7 @@
 
 #include <petscsystypes.h>
 
-#include <cstdint>
+#include <span>
 #include <vector>
 
 #include "element/reference_element.hpp"
@@ -10,10 +10,8 @@
 
 namespace trefoil {
 
-struct Mesh;
-
-/// Elements of one kind at rest, eight to a pack, structure of arrays: what Tet4Packs is to linear
-/// tetrahedra, for any simplex of order 1 or 2, straight or bent.
+/// Elements of one kind at rest, eight to a pack, structure of arrays: simplices of order 1 or 2,
+/// straight or bent.
 ///
 /// Shape functions add up to one, so that translations cost nothing: with an orthonormal basis Q
 /// (nodes x (nodes - 1)) of what is orthogonal to the constant vector, an element has
@@ -21,7 +19,12 @@ struct Mesh;
 /// Hessian has the non-zero eigenvalues of the full one. Q are columns 1.. of the Householder
 /// reflection that takes the first unit vector to the constant one: with s = 1/sqrt(nodes),
 /// c = s^2/(1 - s), Q[0][k] = s and Q[a][k] = delta_{a,k+1} - c, so that changing bases costs
-/// additions in proportion to the nodes.
+/// additions in proportion to the nodes. For four nodes Q is the three Hadamard vectors that are
+/// not constant, over two.
+///
+/// Nodes stand in an order of their own: corners by ascending vertex number, then midpoints by the
+/// corners of their edges, (0,1) (0,2) (0,3) (1,2) (1,3) (2,3). Two elements that share two nodes
+/// then have them in the same order.
 ///
 /// The last pack is filled up with copies of the last element that have no volume.
 struct ElementPacks {
@@ -45,26 +48,11 @@ struct ElementPacks {
   }
 };
 
-/// The cells of a mesh as packs, in their order.
-ElementPacks pack_elements(const Mesh &mesh);
-
-/// Where the dim x dim blocks of elements go: into up to three arrays.
-struct ElementPlaces {
-  static constexpr std::int32_t nowhere = -1, in_parts = 3;
-  /// cells x nodes^2: block (a, b) of a cell at nodes a + b. `nowhere`, or: the two lowest bits
-  /// choose the array, the rest is the place of the block's first number in it. Blocks `in_parts`
-  /// instead have dim^2 such codes of single numbers, from that place on in `numbers`.
-  std::vector<std::int32_t> code;
-  /// 4 x local vertices: distance between the rows of a block in array r for row vertex v, at
-  /// 4 v + r.
-  std::vector<std::int32_t> stride;
-  std::vector<std::int32_t> numbers;
-
-  [[nodiscard]] double bytes() const {
-    return static_cast<double>((code.capacity() + stride.capacity() + numbers.capacity()) *
-                               sizeof(std::int32_t));
-  }
-};
+/// Cells as packs, in their order.
+/// @param cells cells x nodes: vertex numbers, in the order of the reference element
+/// @param coordinates vertices x 3: rest positions
+ElementPacks pack_elements(const ReferenceElement &reference, std::span<const PetscInt> cells,
+                           std::span<const double> coordinates);
 
 /// The batched kernels of an element, for packs [first, first + count). `u` and `forces` are local
 /// arrays, 3 numbers a local vertex. Matrices in packs are lower triangles, entry e of lane l of
@@ -73,6 +61,12 @@ struct ElementKernels {
   /// Adds sum psi w to sums[0] and sum |psi - rest_density| w to sums[1].
   void (*energy)(const MaterialModel &material, const ElementPacks &elements, PetscInt first,
                  PetscInt count, const double *u, double rest_density, double *sums);
+  /// Adds sum w (psi(u + sum_k c_k d_k) - psi(u)) to changes[p] for each of `samples` rows c of
+  /// coefficients, one for each of `directions` (one or two) local arrays d. One pass.
+  void (*energy_changes)(const MaterialModel &material, const ElementPacks &elements,
+                         PetscInt first, PetscInt count, const double *u, int directions,
+                         const double *const *d, int samples, const double *coefficients,
+                         double *changes);
   /// Adds the elements' forces, sum over the points of w P g_a.
   void (*forces)(const MaterialModel &material, const ElementPacks &elements, PetscInt first,
                  PetscInt count, const double *u, double *forces);
@@ -86,11 +80,9 @@ struct ElementKernels {
   /// K = sum over the points of w B'AB for A as tangents() writes it.
   void (*contract)(const ElementPacks &elements, PetscInt first, PetscInt count, const double *A,
                    double *K);
-  /// Expands reduced matrices to the elements' blocks and adds them.
-  /// @param chosen elements to add, by lane of the packs: those where it is positive; null: all
-  /// @param arrays what ElementPlaces chooses from
-  void (*add_blocks)(const ElementPacks &elements, PetscInt first, PetscInt count, const double *K,
-                     const int *chosen, const ElementPlaces &places, double *const arrays[3]);
+  /// Expands one pack's reduced matrix K to the blocks H_ab = sum_kl Q[a][k] Q[b][l] K_kl, a <= b,
+  /// row by row: entry (i, m) of block number q at (dim^2 q + dim i + m) * 8.
+  void (*expand)(const double *K, double *blocks);
 };
 
 /// The kernels of an element for an instruction set.

@@ -21,7 +21,7 @@ PetscErrorCode LoadPath::check() {
   PetscFunctionBeginUser;
   PetscCall(hold_vertices(scene_.mesh, options.constraints, 1. / steps_, &first));
   PetscCall(hold_vertices(scene_.mesh, options.constraints, 1, &last));
-  if (scene_.loads) {
+  if (options.loads.any()) {
     PetscCall(evaluate_loads(scene_.mesh, options.loads, scene_.density_of_cell, 1. / steps_,
                              &first_forces));
     PetscCall(evaluate_loads(scene_.mesh, options.loads, scene_.density_of_cell, 1, &last_forces));
@@ -42,11 +42,7 @@ PetscErrorCode LoadPath::set_time(double time) {
   PetscFunctionBeginUser;
   PetscCall(hold_vertices(scene_.mesh, options.constraints, time, &held));
   PetscCall(scene_.discretization.set_prescribed(held));
-  if (scene_.loads) {
-    std::vector<double> forces;
-    PetscCall(evaluate_loads(scene_.mesh, options.loads, scene_.density_of_cell, time, &forces));
-    scene_.loads->set_forces(std::move(forces));
-  }
+  PetscCall(scene_.functional->set_time(time));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

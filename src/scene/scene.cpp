@@ -14,8 +14,8 @@
 #include "scene/regions.hpp"
 #include "support/collective_error.hpp"
 #include "support/petsc_compatibility.hpp"
+#include "term/dead_load_term.hpp"
 #include "term/elastic_term.hpp"
-#include "term/element_term.hpp"
 
 namespace trefoil {
 namespace {
@@ -119,26 +119,23 @@ std::unique_ptr<Term> make_elastic_term(const SceneOptions &options, const Mesh 
                           : MaterialRuns(std::move(materials), region_of_cell);
   const auto space =
       options.filter_space == "deformation" ? FilterSpace::deformation : FilterSpace::element;
-  if (mesh.nodes_per_cell() == 4 && space == FilterSpace::element) {
-    return std::make_unique<ElasticTerm>(mesh, std::move(runs));
-  }
-  return std::make_unique<ElementTerm>(mesh, std::move(runs), space);
+  return std::make_unique<ElasticTerm>(mesh, std::move(runs), space);
 }
 
-/// The term of the loads, where the options name any. Collective.
+/// The term of the loads, where the options name any. Keeps `scene`, whose functional owns it.
 PetscErrorCode add_loads(const std::vector<int> &region_of_cell, Scene *scene) {
   const SceneOptions &options = scene->options;
-  std::vector<double> forces, densities{options.material.density};
+  std::vector<double> densities{options.material.density};
   PetscFunctionBeginUser;
   if (!options.loads.any()) PetscFunctionReturn(PETSC_SUCCESS);
   for (const RegionOptions &region : options.regions) densities.push_back(region.material.density);
   for (const int region : region_of_cell) {
     scene->density_of_cell.push_back(densities[static_cast<std::size_t>(region)]);
   }
-  PetscCall(evaluate_loads(scene->mesh, options.loads, scene->density_of_cell, 1, &forces));
-  auto term = std::make_unique<DeadLoadTerm>(std::move(forces));
-  scene->loads = term.get();
-  scene->functional->add_term(std::move(term));
+  scene->functional->add_term(std::make_unique<DeadLoadTerm>([scene](double time,
+                                                                     std::vector<double> *forces) {
+    return evaluate_loads(scene->mesh, scene->options.loads, scene->density_of_cell, time, forces);
+  }));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -172,6 +169,7 @@ PetscErrorCode build_scene(MPI_Comm comm, const SceneOptions &options, Scene *sc
   PetscCall(assign_regions(scene->mesh, options.regions, &region_of_cell));
   scene->functional->add_term(make_elastic_term(options, scene->mesh, region_of_cell));
   PetscCall(add_loads(region_of_cell, scene));
+  PetscCall(scene->functional->set_time(1));
   PetscCall(scene->discretization.create_vector(&scene->displacement));
   PetscCall(scene->discretization.create_matrix(&scene->hessian));
   if (options.assembly == "split") PetscCall(scene->functional->prepare(scene->hessian));

@@ -4,7 +4,6 @@
 
 #include "assembly/energy_functional.hpp"
 #include "scene/scene_options.hpp"
-#include "term/dead_load_term.hpp"
 
 namespace trefoil {
 
@@ -15,7 +14,6 @@ struct Scene {
   Discretization discretization;
   std::unique_ptr<EnergyFunctional> functional;
   std::vector<double> density_of_cell;  ///< mass per rest volume; empty without loads
-  DeadLoadTerm *loads = nullptr;        ///< of `functional`; null without loads
   Mat hessian = nullptr;
   Vec displacement = nullptr;  ///< the unknowns; the start, later the solution
   double read_seconds = 0, setup_seconds = 0;

@@ -1,10 +1,9 @@
 #pragma once
 
-#include <cmath>
+#include <functional>
 #include <utility>
 #include <vector>
 
-#include "support/petsc_compatibility.hpp"
 #include "term/term.hpp"
 
 namespace trefoil {
@@ -13,36 +12,27 @@ namespace trefoil {
 /// tractions per rest area. Energy -f.u, gradient -f, no Hessian.
 class DeadLoadTerm final : public Term {
  public:
-  /// @param forces 3 a local vertex; zero where another rank owns the vertex
-  explicit DeadLoadTerm(std::vector<double> forces) : forces_(std::move(forces)) {}
+  /// Forces at time t: 3 a local vertex; zero where another rank owns the vertex. Collective.
+  using ForcesAt = std::function<PetscErrorCode(double time, std::vector<double> *forces)>;
 
-  void set_forces(std::vector<double> forces) { forces_ = std::move(forces); }
+  /// Forces that are always the same.
+  explicit DeadLoadTerm(std::vector<double> forces) : forces_(std::move(forces)) {}
+  /// Forces of the time; none before the first set_time().
+  explicit DeadLoadTerm(ForcesAt forces_at) : forces_at_(std::move(forces_at)) {}
+
+  PetscErrorCode set_time(double time) override;
 
   /// The scale is the sum of |f.u| over the vertices.
-  void add_energy(const double *u, EnergySums *sums) const override {
-    for (std::size_t k = 0; k + 2 < forces_.size(); k += 3) {
-      const double work = forces_[k] * u[k] + forces_[k + 1] * u[k + 1] + forces_[k + 2] * u[k + 2];
-      sums->energy -= work;
-      sums->scale += std::abs(work);
-    }
-  }
-
-  void add_gradient(const double *u, double *gradient) const override {
-    static_cast<void>(u);
-    for (std::size_t k = 0; k < forces_.size(); ++k) gradient[k] -= forces_[k];
-  }
-
-  PetscErrorCode add_hessian(const double *u, ElementHessianSink &sink) const override {
-    static_cast<void>(u), static_cast<void>(sink);
-    return PETSC_SUCCESS;
-  }
-  [[nodiscard]] bool has_hessian() const override { return false; }
+  PetscErrorCode add_energy(const double *u, EnergySums *sums) const override;
+  PetscErrorCode add_gradient(const double *u, double *gradient) const override;
+  [[nodiscard]] HessianKind hessian_kind() const override { return HessianKind::none; }
 
   [[nodiscard]] double bytes() const override {
     return static_cast<double>(forces_.capacity() * sizeof(double));
   }
 
  private:
+  ForcesAt forces_at_;
   std::vector<double> forces_;
 };
 

@@ -4,26 +4,12 @@
 
 #include <memory>
 
+#include "support/petsc_compatibility.hpp"
+#include "term/packed_elements.hpp"
+#include "term/stencil_sink.hpp"
+#include "term/vertex_pairs.hpp"
+
 namespace trefoil {
-
-struct Mesh;
-struct Tet4Packs;
-class PackedElements;
-
-/// Takes the dense Hessians of elements, one after the other: filters them and adds them up.
-class ElementHessianSink {
- public:
-  virtual ~ElementHessianSink() = default;
-  /// @param n unknowns of the element
-  /// @param dofs their local numbers, 3 * local vertex + component
-  /// @param H the symmetric n x n element Hessian
-  virtual PetscErrorCode add(int n, const PetscInt *dofs, const double *H) = 0;
-  /// The same where the term has filtered the element itself.
-  /// @param N its negative part
-  /// @param negative how many eigenvalues it found negative; -1: not finite
-  virtual PetscErrorCode add_split(int n, const PetscInt *dofs, const double *H, const double *N,
-                                   int negative) = 0;
-};
 
 /// Sums over one rank's elements.
 struct EnergySums {
@@ -32,35 +18,113 @@ struct EnergySums {
   double stiffness = 0;  ///< energy of a strain of order one: what rounding is small against
 };
 
+/// A time step, as an integrator makes it of the states before it. Arrays hold 3 numbers for each
+/// local vertex, held ones and ghosts included; they live until the step is accepted.
+struct StepState {
+  double time = 0;  ///< at the end of the step
+  double step = 0;  ///< from its start to its end
+  /// Inertia is the energy |u - predicted|_M^2 / (2 inertia_time^2).
+  double inertia_time = 0;
+  const double *predicted = nullptr;
+  /// The velocity at the end is (u - velocity_origin) / velocity_time.
+  double velocity_time = 0;
+  const double *velocity_origin = nullptr;
+};
+
+/// How a term's Hessian comes about, and so the path by which it is assembled.
+enum class HessianKind {
+  none,      ///< it is zero: the term is linear in u
+  constant,  ///< hessian_scale() times a matrix that depends on nothing, made once
+  packed,    ///< of elements in packs, see batch()
+  stencils   ///< of dense matrices, one after the other
+};
+
+/// By which weight w a term's Hessian H + 2 w N is filtered.
+enum class FilterWeight {
+  rule,  ///< the rule's
+  clamp  ///< 1/2 where the rule filters at all: the negative part of a barrier is no stiffness
+};
+
 /// Energies that spread prescribed displacements over a body, see material/spreading.hpp.
 enum class Spreading { harmonic, rigid };
 
 /// One summand of a scene's energy. A scene lists its terms; a term it does not name is never made.
-/// Displacements u and forces are local arrays, 3 numbers a local vertex, ghosts included.
+/// Displacements u and forces are local arrays, 3 numbers a local vertex, ghosts included. What a
+/// term adds is this rank's part of a sum over all ranks. All functions that return an error code
+/// are collective: every rank calls them, so that a term may talk to its other parts.
 class Term {
  public:
   virtual ~Term() = default;
-  virtual void add_energy(const double *u, EnergySums *sums) const = 0;
+
+  virtual PetscErrorCode add_energy(const double *u, EnergySums *sums) const = 0;
   /// Adds f(u + sum_k c_k d_k) - f(u) to changes[p] for each of `points` rows c of coefficients,
   /// one for each of `directions` local arrays d. Many points at the price of one pass, where the
   /// term knows how; here one evaluation a point.
-  virtual void add_energy_changes(const double *u, std::size_t size, int directions,
-                                  const double *const *d, int points, const double *coefficients,
-                                  double *changes) const;
-  virtual void add_gradient(const double *u, double *gradient) const = 0;
-  /// Whether the term has any: one that is linear in u does not.
-  [[nodiscard]] virtual bool has_hessian() const { return true; }
-  virtual PetscErrorCode add_hessian(const double *u, ElementHessianSink &sink) const = 0;
-  /// The term's elements in packs, whose reduced Hessians reduced_hessians() makes in batches; null
-  /// where it has no batched path.
-  [[nodiscard]] virtual const Tet4Packs *packs() const { return nullptr; }
-  /// Reduced Hessians of packs [first, first + count), see Tet4Kernels.
-  virtual void reduced_hessians(PetscInt first, PetscInt count, const double *u, double *K) const {
-    static_cast<void>(first), static_cast<void>(count), static_cast<void>(u), static_cast<void>(K);
+  virtual PetscErrorCode add_energy_changes(const double *u, std::size_t size, int directions,
+                                            const double *const *d, int points,
+                                            const double *coefficients, double *changes) const;
+  virtual PetscErrorCode add_gradient(const double *u, double *gradient) const = 0;
+
+  [[nodiscard]] virtual HessianKind hessian_kind() const = 0;
+  /// The Hessian matrix by matrix, whatever its kind. For `packed` this is the slow path, for tests
+  /// and for what has no batched one; `constant` ones are asked once and without their scale, and
+  /// must be positive semi-definite, stencil by stencil.
+  virtual PetscErrorCode add_hessian(const double *u, StencilSink &sink) const;
+  /// The elements of a `packed` Hessian.
+  [[nodiscard]] virtual const PackedElements *batch() const { return nullptr; }
+  [[nodiscard]] virtual double hessian_scale() const { return 1; }
+  [[nodiscard]] virtual FilterWeight filter_weight() const { return FilterWeight::rule; }
+
+  /// Whether the filter of the cells' elements has to see this term: an element of stiffness K and
+  /// inertia S adds the negative part of K + S, although S itself enters H by this term's own path.
+  [[nodiscard]] virtual bool shifts_filter() const { return false; }
+  /// Adds S to the reduced matrices K of packs [first, first + count) of the cells. Of a mass
+  /// matrix that mixes translations with the rest of an element, S is the Schur complement.
+  virtual void shift_filter(const ElementPacks &cells, PetscInt first, PetscInt count,
+                            double *K) const {
+    static_cast<void>(cells), static_cast<void>(first), static_cast<void>(count);
+    static_cast<void>(K);
   }
-  /// The term's elements in packs of another kind than Tet4Packs; null where it has none.
-  [[nodiscard]] virtual const PackedElements *packed_elements() const { return nullptr; }
-  /// For output: fills, for each local cell, det F and psi; left alone by terms without cells.
+
+  /// Whether the term couples vertices without a common cell.
+  [[nodiscard]] virtual bool couples_pairs() const { return false; }
+  /// Chooses the pairs for a Hessian at u.
+  /// @param changed whether pairs() are others than before, on any rank
+  virtual PetscErrorCode choose_pairs(const double *u, bool *changed) {
+    static_cast<void>(u), *changed = false;
+    return PETSC_SUCCESS;
+  }
+  /// Appends this rank's pairs; one order of each is enough. Others may own the vertices.
+  virtual void append_pairs(VertexPairs *pairs) const { static_cast<void>(pairs); }
+
+  /// Loads and obstacles that move: sets the time of their formulas.
+  virtual PetscErrorCode set_time(double time) {
+    static_cast<void>(time);
+    return PETSC_SUCCESS;
+  }
+  /// Before the solve of a time step; the state is the same for all solves until accept_step().
+  virtual PetscErrorCode begin_step(const StepState &state) {
+    static_cast<void>(state);
+    return PETSC_SUCCESS;
+  }
+  /// After a solve whose result stands: what lags behind the displacements may follow.
+  virtual PetscErrorCode accept_step(const double *u) {
+    static_cast<void>(u);
+    return PETSC_SUCCESS;
+  }
+  /// Whether steps u + a d may be too long for the term.
+  [[nodiscard]] virtual bool limits_step() const { return false; }
+  /// Lowers *largest to the largest step a that is allowed; steps up to `first` are wanted.
+  virtual PetscErrorCode limit_step(const double *u, const double *d, double first,
+                                    double *largest) const {
+    static_cast<void>(u), static_cast<void>(d), static_cast<void>(first);
+    static_cast<void>(largest);
+    return PETSC_SUCCESS;
+  }
+
+  /// Whether the term's elements are the mesh's cells.
+  [[nodiscard]] virtual bool has_cells() const { return false; }
+  /// For output, of a term with cells: fills, for each local cell, det F and psi.
   virtual void describe_cells(const double *u, double *determinant, double *energy_density) const {
     static_cast<void>(u), static_cast<void>(determinant), static_cast<void>(energy_density);
   }

@@ -56,16 +56,15 @@ PetscErrorCode Problem::set_up(const CellList &whole, std::unique_ptr<MaterialMo
     }
   }
   PetscCall(discretization.set_up(mesh, held));
-  std::unique_ptr<Term> elastic;
-  if (mesh.nodes_per_cell() == 4) {
-    elastic = std::make_unique<ElasticTerm>(mesh, std::move(material));
-  } else {
-    elastic = std::make_unique<ElementTerm>(mesh, std::move(material), FilterSpace::element);
-  }
-  auto term = std::make_unique<LoadedTerm>(std::move(elastic), mesh.coordinates.size());
-  term_ = term.get();
+  forces_.assign(mesh.coordinates.size(), 0);
+  auto elastic = std::make_unique<ElasticTerm>(mesh, std::move(material), FilterSpace::element);
+  elastic_ = elastic.get();
   functional_ = std::make_unique<EnergyFunctional>(discretization);
-  functional_->add_term(std::move(term));
+  functional_->add_term(std::move(elastic));
+  functional_->add_term(std::make_unique<DeadLoadTerm>([this](double, std::vector<double> *forces) {
+    *forces = forces_;
+    return PETSC_SUCCESS;
+  }));
   PetscCall(discretization.create_vector(&x_));
   PetscCall(discretization.create_matrix(&H_));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -108,7 +107,7 @@ void Problem::add_body_force(const VectorField &force) {
         const auto node = static_cast<std::size_t>(
             mesh.cells[static_cast<std::size_t>(mesh.nodes_per_cell() * c + a)]);
         for (std::size_t i = 0; i < static_cast<std::size_t>(mesh.dimension()); ++i)
-          term_->forces()[3 * node + i] += point.weight * point.values[a] * b[i];
+          forces_[3 * node + i] += point.weight * point.values[a] * b[i];
       }
     }
 }
@@ -137,11 +136,11 @@ void Problem::add_edge_force(double x, const std::array<double, 2> &total) {
     }
   MPI_Allreduce(MPI_IN_PLACE, &length, 1, MPI_DOUBLE, MPI_SUM, PETSC_COMM_WORLD);
   for (std::size_t v = 0; v < share.size(); ++v)
-    for (std::size_t i = 0; i < 2; ++i) term_->forces()[3 * v + i] += total[i] * share[v] / length;
+    for (std::size_t i = 0; i < 2; ++i) forces_[3 * v + i] += total[i] * share[v] / length;
 }
 
 void Problem::scale_forces(double factor) {
-  for (double &force : term_->forces()) force *= factor;
+  for (double &force : forces_) force *= factor;
 }
 
 PetscErrorCode Problem::start_from(const VectorField &displacement) {
@@ -165,6 +164,7 @@ PetscErrorCode Problem::solve(double energy_tolerance) {
   PetscCall(PetscTime(&begin));
   PetscCall(TrefoilInitializePackage());
   iterations = 0;
+  PetscCall(functional_->set_time(1));  // takes the forces as they are
   PetscCall(solve_by("adaptive", std::max(1e-7, energy_tolerance)));
   PetscCall(solve_by("newton", energy_tolerance));
   PetscCall(PetscTime(&end));
@@ -217,20 +217,20 @@ PetscErrorCode Problem::displacements(std::vector<double> *u) const {
 
 std::vector<double> Problem::forces(const std::vector<double> &u) const {
   std::vector<double> result(u.size(), 0);
-  term_->elastic().add_gradient(u.data(), result.data());
+  PetscCallAbort(PETSC_COMM_WORLD, elastic_->add_gradient(u.data(), result.data()));
   return result;
 }
 
 double Problem::elastic_energy(const std::vector<double> &u) const {
   EnergySums sums;
-  term_->elastic().add_energy(u.data(), &sums);
+  PetscCallAbort(PETSC_COMM_WORLD, elastic_->add_energy(u.data(), &sums));
   MPI_Allreduce(MPI_IN_PLACE, &sums.energy, 1, MPI_DOUBLE, MPI_SUM, PETSC_COMM_WORLD);
   return sums.energy;
 }
 
 double Problem::work(const std::vector<double> &u) const {
   double sum = 0;
-  for (std::size_t k = 0; k < u.size(); ++k) sum += term_->forces()[k] * u[k];
+  for (std::size_t k = 0; k < u.size(); ++k) sum += forces_[k] * u[k];
   MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, PETSC_COMM_WORLD);
   return sum;
 }

@@ -13,7 +13,8 @@
 #include "element/reference_element.hpp"
 #include "mesh/mesh.hpp"
 #include "support/petsc_compatibility.hpp"
-#include "term/element_term.hpp"
+#include "term/dead_load_term.hpp"
+#include "term/elastic_term.hpp"
 
 namespace trefoil::accuracy {
 
@@ -23,46 +24,6 @@ using Prescribed = std::function<std::optional<double>(const double *p, int i)>;
 using VectorField = std::function<std::array<double, 3>(const double *p)>;
 /// The deformation gradient at rest position p.
 using TensorField = std::function<Matrix3<double>(const double *p)>;
-
-/// An elastic term and constant forces on the vertices, as one term: so that it keeps its batches.
-class LoadedTerm final : public Term {
- public:
-  LoadedTerm(std::unique_ptr<Term> elastic, std::size_t size)
-      : elastic_(std::move(elastic)), forces_(size, 0) {}
-
-  /// 3 a local vertex, this rank's contribution.
-  std::vector<double> &forces() { return forces_; }
-
-  void add_energy(const double *u, EnergySums *sums) const override {
-    double work = 0;
-    elastic_->add_energy(u, sums);
-    for (std::size_t k = 0; k < forces_.size(); ++k) work += forces_[k] * u[k];
-    sums->energy -= work;
-    sums->scale += std::abs(work);
-  }
-  void add_gradient(const double *u, double *gradient) const override {
-    elastic_->add_gradient(u, gradient);
-    for (std::size_t k = 0; k < forces_.size(); ++k) gradient[k] -= forces_[k];
-  }
-  PetscErrorCode add_hessian(const double *u, ElementHessianSink &sink) const override {
-    return elastic_->add_hessian(u, sink);
-  }
-  [[nodiscard]] const Tet4Packs *packs() const override { return elastic_->packs(); }
-  void reduced_hessians(PetscInt first, PetscInt count, const double *u, double *K) const override {
-    elastic_->reduced_hessians(first, count, u, K);
-  }
-  [[nodiscard]] const PackedElements *packed_elements() const override {
-    return elastic_->packed_elements();
-  }
-  void describe_cells(const double *u, double *determinant, double *density) const override {
-    elastic_->describe_cells(u, determinant, density);
-  }
-  [[nodiscard]] const Term &elastic() const { return *elastic_; }
-
- private:
-  std::unique_ptr<Term> elastic_;
-  std::vector<double> forces_;
-};
 
 /// A point of quadrature in a cell at rest, for errors and loads.
 struct CellPoint {
@@ -121,7 +82,8 @@ class Problem {
  private:
   PetscErrorCode solve_by(const char *filter, double energy_tolerance);
 
-  LoadedTerm *term_ = nullptr;
+  std::vector<double> forces_;            ///< 3 a local vertex, this rank's contribution
+  const ElasticTerm *elastic_ = nullptr;  ///< of the functional
   std::unique_ptr<EnergyFunctional> functional_;
   Mat H_ = nullptr;
   Vec x_ = nullptr;

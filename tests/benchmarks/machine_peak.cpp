@@ -4,7 +4,7 @@
 #include <chrono>
 #include <vector>
 
-#include "element/tet4_packs.hpp"
+#include "trefoil/pack.hpp"
 
 namespace trefoil {
 namespace {

@@ -23,7 +23,7 @@
 #include "mesh/generate.hpp"
 #include "one_thread.hpp"
 #include "support/petsc_compatibility.hpp"
-#include "term/element_term.hpp"
+#include "term/elastic_term.hpp"
 
 extern "C" void dsyevd_(const char *jobz, const char *uplo, const int *n, double *A, const int *lda,
                         double *w, double *work, const int *lwork, int *iwork, const int *liwork,
@@ -46,13 +46,13 @@ double seconds(int repeats, const std::function<void()> &run) {
 }
 
 /// Element matrices as they come, for LAPACK.
-class Collector final : public ElementHessianSink {
+class Collector final : public StencilSink {
  public:
-  PetscErrorCode add(int n, const PetscInt *, const double *H) override {
-    matrices.insert(matrices.end(), H, H + n * n);
+  PetscErrorCode add(const Stencil &stencil, const double *H) override {
+    matrices.insert(matrices.end(), H, H + stencil.n * stencil.n);
     return PETSC_SUCCESS;
   }
-  PetscErrorCode add_split(int, const PetscInt *, const double *, const double *, int) override {
+  PetscErrorCode add_split(const Stencil &, const double *, const double *, int) override {
     return PETSC_SUCCESS;
   }
   std::vector<double> matrices;
@@ -101,8 +101,8 @@ PetscErrorCode compare(PetscInt resolution, double poisson) {
   const StableNeoHookean material({1, poisson}, StableNeoHookean::Lame::physical);
   EnergyFunctional functional(discretization);
   functional.add_term(
-      std::make_unique<ElementTerm>(mesh, make_material_model(material), FilterSpace::element));
-  const ElementTerm term(mesh, make_material_model(material), FilterSpace::element);
+      std::make_unique<ElasticTerm>(mesh, make_material_model(material), FilterSpace::element));
+  const ElasticTerm term(mesh, make_material_model(material), FilterSpace::element);
   std::vector<double> u(mesh.coordinates.size(), 0);
   for (std::size_t v = 0; v < mesh.owned.size(); ++v) {
     const double *p = &mesh.coordinates[3 * v];
@@ -116,14 +116,15 @@ PetscErrorCode compare(PetscInt resolution, double poisson) {
   PetscCall(VecAssemblyBegin(x));
   PetscCall(VecAssemblyEnd(x));
 
-  const PackedElements &packed = *term.packed_elements();
-  const auto size = static_cast<std::size_t>(packed.packs() * packed.entries() * lanes);
+  const PackedElements &packed = *term.batch();
+  const auto size =
+      static_cast<std::size_t>(packed.elements().packs() * packed.elements().entries() * lanes);
   std::vector<double> K(size), N(size);
-  std::vector<int> negative(static_cast<std::size_t>(packed.packs() * lanes));
-  packed.hessians(0, packed.packs(), u.data(), K.data());
+  std::vector<int> negative(static_cast<std::size_t>(packed.elements().packs() * lanes));
+  packed.hessians(0, packed.elements().packs(), u.data(), K.data());
   const double batched = seconds(20, [&] {
     static_cast<void>(
-        packed.split(0, packed.packs(), u.data(), K.data(), N.data(), negative.data()));
+        packed.split(0, packed.elements().packs(), u.data(), K.data(), N.data(), negative.data()));
   });
   const auto indefinite = std::count_if(negative.begin(), negative.begin() + mesh.local_cells(),
                                         [](int count) { return count > 0; });

@@ -15,7 +15,6 @@
 #include "mesh/generate.hpp"
 #include "support/petsc_compatibility.hpp"
 #include "term/elastic_term.hpp"
-#include "term/element_term.hpp"
 
 namespace trefoil::test {
 
@@ -77,11 +76,7 @@ struct Body {
     PetscCall(discretization.set_up(mesh, held));
     functional = std::make_unique<EnergyFunctional>(discretization);
     auto material = make_material_model(soft_material());
-    if (mesh.nodes_per_cell() == 4 && space == FilterSpace::element) {
-      functional->add_term(std::make_unique<ElasticTerm>(mesh, std::move(material)));
-    } else {
-      functional->add_term(std::make_unique<ElementTerm>(mesh, std::move(material), space));
-    }
+    functional->add_term(std::make_unique<ElasticTerm>(mesh, std::move(material), space));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
 

@@ -8,12 +8,12 @@
 #include <cmath>
 #include <random>
 
+#include "assembly/block_sums.hpp"
 #include "element/element_packs.hpp"
 #include "element/isoparametric_element.hpp"
-#include "element/tet4.hpp"
 #include "material/stable_neo_hookean.hpp"
-#include "mesh/mesh.hpp"
 #include "simd/instruction_set.hpp"
+#include "tet4_support.hpp"
 
 namespace trefoil {
 namespace {
@@ -28,16 +28,13 @@ constexpr int edges[6][2] = {{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 3}, {2, 3}};
 /// Unconnected elements; every other one is bent, and displacements stretch and invert them.
 struct Heap {
   static constexpr int count = 1003;  // not a multiple of eight
-  Mesh mesh;
-  std::vector<double> u;
+  const ReferenceElement &reference;
+  std::vector<PetscInt> cells;
+  std::vector<double> coordinates, u;
 
-  Heap(const Kind &kind, unsigned seed) {
+  Heap(const Kind &kind, unsigned seed) : reference(reference_element(kind.dimension, kind.nodes)) {
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> uniform(-1, 1);
-    mesh.shape = *std::find_if(mesh_shapes().begin(), mesh_shapes().end(), [&](const auto *shape) {
-      return shape->dimension == kind.dimension && shape->nodes == kind.nodes;
-    });
-    const ReferenceElement &reference = reference_element(kind.dimension, kind.nodes);
     for (int e = 0; e < count; ++e) {
       double position[30] = {};
       do {
@@ -53,18 +50,17 @@ struct Heap {
       } while (IsoparametricElement(reference, position).least_jacobian() < 0.05);
       const double pull = e % 3 == 0 ? 2 : e % 3 == 1 ? 0.1 : 1e-9;
       for (int k = 0; k < 3 * kind.nodes; ++k) {
-        if (k % 3 == 0) mesh.cells.push_back(kind.nodes * e + k / 3);
-        mesh.coordinates.push_back(position[k]);
+        if (k % 3 == 0) cells.push_back(kind.nodes * e + k / 3);
+        coordinates.push_back(position[k]);
         u.push_back(k % 3 < kind.dimension ? pull * uniform(random) : 0);
       }
     }
   }
   [[nodiscard]] IsoparametricElement element(int e) const {
-    return {reference_element(mesh.dimension(), mesh.nodes_per_cell()),
-            &mesh.coordinates[static_cast<std::size_t>(3 * mesh.nodes_per_cell() * e)]};
+    return {reference, &coordinates[static_cast<std::size_t>(3 * reference.nodes * e)]};
   }
   [[nodiscard]] const double *displacements(int e) const {
-    return &u[static_cast<std::size_t>(3 * mesh.nodes_per_cell() * e)];
+    return &u[static_cast<std::size_t>(3 * reference.nodes * e)];
   }
 };
 
@@ -176,7 +172,7 @@ TEST(ElementTest, LinearTetrahedronIsTet4) {
   const Heap heap({3, 4}, 9);
   for (int e = 0; e < 50; ++e) {
     double corner[4][3], H[144];
-    std::copy_n(&heap.mesh.coordinates[static_cast<std::size_t>(12 * e)], 12, &corner[0][0]);
+    std::copy_n(&heap.coordinates[static_cast<std::size_t>(12 * e)], 12, &corner[0][0]);
     const Tet4 tet = Tet4::at_rest(corner);
     Tangent<double> A;
     material.tangent(tet.deformation_gradient(heap.displacements(e)), A);
@@ -201,7 +197,7 @@ class ElementPacksTest : public testing::TestWithParam<Case> {
   }
   const Kind kind_ = std::get<0>(GetParam());
   const Heap heap_{kind_, 3};
-  const ElementPacks packs_ = pack_elements(heap_.mesh);
+  const ElementPacks packs_ = pack_elements(heap_.reference, heap_.cells, heap_.coordinates);
   const ElementKernels kernels_ = element_kernels(*packs_.reference, std::get<1>(GetParam()));
   const std::unique_ptr<MaterialModel> model_ =
       make_material_model(material, std::get<1>(GetParam()));
@@ -210,15 +206,19 @@ class ElementPacksTest : public testing::TestWithParam<Case> {
   [[nodiscard]] std::vector<double> expanded(const std::vector<double> &K,
                                              const int *chosen = nullptr) const {
     const int rows = kind_.dimension * kind_.nodes;
-    ElementPlaces places;
-    places.stride.assign(static_cast<std::size_t>(4 * heap_.mesh.local_vertices()), rows);
-    for (std::int32_t e = 0; e < Heap::count; ++e)
-      for (std::int32_t a = 0; a < kind_.nodes; ++a)
-        for (std::int32_t b = 0; b < kind_.nodes; ++b)
-          places.code.push_back(4 * (rows * rows * e + kind_.dimension * (rows * a + b)) + 2);
+    const int nodes = kind_.nodes;
+    BlockSums sums;
+    const auto place = [&](PetscInt row, PetscInt column, BlockPlace *result) {
+      const PetscInt first =
+          rows * rows * (row / nodes) + kind_.dimension * (rows * (row % nodes) + column % nodes);
+      *result = {4 * first + 2, rows};
+      return static_cast<PetscErrorCode>(0);
+    };
+    EXPECT_EQ(make_block_sums(packs_, place, &sums), 0);
     std::vector<double> H(static_cast<std::size_t>(rows * rows * Heap::count), 0);
     double *arrays[3] = {nullptr, nullptr, H.data()};
-    kernels_.add_blocks(packs_, 0, packs_.packs(), K.data(), chosen, places, arrays);
+    add_blocks_kernel(heap_.reference, std::get<1>(GetParam()))(
+        sums, kernels_.expand, 0, packs_.packs(), K.data(), chosen, arrays);
     return H;
   }
 };

@@ -6,6 +6,7 @@
 
 #include "body.hpp"
 #include "filter/filter.hpp"
+#include "tet4_support.hpp"
 
 namespace trefoil::test {
 namespace {

@@ -8,27 +8,30 @@
 #include <random>
 #include <vector>
 
-#include "element/block_sums.hpp"
-#include "element/tet4.hpp"
-#include "element/tet4_packs.hpp"
+#include "assembly/block_sums.hpp"
 #include "filter/filter.hpp"
+#include "filter/reduced_filter.hpp"
 #include "material/stable_neo_hookean.hpp"
-#include "mesh/mesh.hpp"
+#include "tet4_support.hpp"
 
 namespace trefoil::tet4_heap {
 
 /// A heap of unconnected tetrahedra, badly shaped ones among them, and displacements that stretch,
 /// flatten and invert them, over twelve orders of magnitude in length.
 struct Heap {
-  Mesh mesh;
-  std::vector<double> u;
+  std::vector<PetscInt> cells;
+  std::vector<double> coordinates, u;
 
-  [[nodiscard]] std::size_t elements() const { return mesh.cells.size() / 4; }
+  [[nodiscard]] std::size_t elements() const { return cells.size() / 4; }
   /// With the corners in the order of their vertices' numbers.
   [[nodiscard]] Tet4 element(std::size_t e) const {
     double corner[4][3];
-    std::copy_n(&mesh.coordinates[12 * e], 12, &corner[0][0]);
+    std::copy_n(&coordinates[12 * e], 12, &corner[0][0]);
     return Tet4::at_rest(corner);
+  }
+
+  [[nodiscard]] ElementPacks packs() const {
+    return pack_elements(reference_element(3, 4), cells, coordinates);
   }
 
   Heap(unsigned seed, PetscInt elements) {
@@ -47,9 +50,9 @@ struct Heap {
       } while (std::abs(volume) < 1e-3 * flatness * length * length * length);
       if (volume < 0) std::swap(corner[0], corner[1]);
       for (int a = 0; a < 4; ++a) {
-        mesh.cells.push_back(4 * e + (a == 3 ? 3 : (a + e) % 3));  // an even permutation
+        cells.push_back(4 * e + (a == 3 ? 3 : (a + e) % 3));  // an even permutation
         for (int i = 0; i < 3; ++i) {
-          mesh.coordinates.push_back(corner[a][i]);
+          coordinates.push_back(corner[a][i]);
           // Every seventh is pressed flat: all corners end at z = 0.
           u.push_back(e % 7 == 0 && i == 2 ? -corner[a][i] : pull * length * uniform(random));
         }
@@ -83,7 +86,7 @@ struct Plain {
 
 /// Places of blocks such that element e gets 144 numbers of its own from 144 e on, row by row, in
 /// the order of its vertices' numbers.
-inline PetscErrorCode make_single_sums(const Tet4Packs &tets, BlockSums *sums) {
+inline PetscErrorCode make_single_sums(const ElementPacks &tets, BlockSums *sums) {
   const auto place = [](PetscInt row, PetscInt column, BlockPlace *result) {
     *result = {4 * (144 * (row / 4) + 36 * (row % 4) + 3 * (column % 4)), 12};
     return static_cast<PetscErrorCode>(0);
@@ -112,9 +115,9 @@ struct Batched {
   long indefinite = 0, fallbacks = 0;
 
   Batched(const Heap &heap, const MaterialModel &material, InstructionSet instructions) {
-    const Tet4Packs tets = pack_tetrahedra(heap.mesh);
-    const Tet4Kernels kernels = tet4_kernels(instructions);
-    const auto add_blocks = add_blocks_kernel(instructions);
+    const ElementPacks tets = heap.packs();
+    const ElementKernels kernels = element_kernels(*tets.reference, instructions);
+    const auto add_blocks = add_blocks_kernel(*tets.reference, instructions);
     double sums[2] = {0, 0};
     kernels.energy(material, tets, 0, tets.packs(), heap.u.data(), 0, sums);
     energy = sums[0];
@@ -125,7 +128,7 @@ struct Batched {
     std::vector<double> K(static_cast<std::size_t>(tets.packs()) * reduced_entries * lanes);
     std::vector<double> N(K.size());
     std::vector<int> negative(static_cast<std::size_t>(tets.packs()) * lanes);
-    kernels.reduced_hessians(material, tets, 0, tets.packs(), heap.u.data(), K.data());
+    kernels.hessians(material, tets, 0, tets.packs(), heap.u.data(), K.data());
     ReducedSplitExperiment experiment;
     experiment.instructions = instructions;
     indefinite = split_reduced(static_cast<int>(tets.packs()), K.data(), N.data(), negative.data(),
@@ -137,8 +140,8 @@ struct Batched {
     hessians.resize(144 * heap.elements(), 0);
     negatives.resize(144 * heap.elements(), 0);
     double *H_arrays[4] = {hessians.data()}, *N_arrays[4] = {negatives.data()};
-    add_blocks(places, 0, tets.packs(), K.data(), nullptr, H_arrays);
-    add_blocks(places, 0, tets.packs(), N.data(), negative.data(), N_arrays);
+    add_blocks(places, kernels.expand, 0, tets.packs(), K.data(), nullptr, H_arrays);
+    add_blocks(places, kernels.expand, 0, tets.packs(), N.data(), negative.data(), N_arrays);
   }
 };
 
@@ -169,7 +172,7 @@ struct Differences {
       const double *H = &plain.hessians[144 * e];
       const double stiffness = largest(H, 144);
       const double reach =
-          std::max(largest(&heap.u[12 * e], 12), largest(&heap.mesh.coordinates[12 * e], 12));
+          std::max(largest(&heap.u[12 * e], 12), largest(&heap.coordinates[12 * e], 12));
       // F = I + sum u_a g_a' loses digits where its terms are larger than itself: so do both paths.
       const Tet4 tet = heap.element(e);
       const double amplification = 1 + reach * largest(&tet.gradients[0][0], 12);
@@ -179,7 +182,7 @@ struct Differences {
       here.hessian = difference(&batched.hessians[144 * e], H, 144, size);
       here.negative = difference(&batched.negatives[144 * e], &plain.negatives[144 * e], 144, size);
       here.of_rounding = std::max({here.force, here.hessian, here.negative}) /
-                         cancellation(&heap.mesh.coordinates[12 * e]);
+                         cancellation(&heap.coordinates[12 * e]);
       include(here);
     }
   }

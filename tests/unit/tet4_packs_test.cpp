@@ -22,7 +22,12 @@ class Tet4PacksTest : public testing::TestWithParam<InstructionSet> {
     if (!processor_has(GetParam())) GTEST_SKIP() << "not on this processor";
   }
 
-  static AddBlocks add_blocks() { return add_blocks_kernel(GetParam()); }
+  static void add_blocks(const BlockSums &sums, PetscInt first, PetscInt count, const double *K,
+                         const int *chosen, double *const arrays[3]) {
+    const ReferenceElement &tet4 = reference_element(3, 4);
+    add_blocks_kernel(tet4, GetParam())(sums, element_kernels(tet4, GetParam()).expand, first,
+                                        count, K, chosen, arrays);
+  }
 };
 
 TEST_P(Tet4PacksTest, EqualThePlainElement) {
@@ -47,7 +52,7 @@ TEST_P(Tet4PacksTest, EqualThePlainElement) {
 
 TEST_P(Tet4PacksTest, AddsOnlyWhatIsChosen) {
   const Heap heap(7, 19);  // two full packs and a part
-  const Tet4Packs tets = pack_tetrahedra(heap.mesh);
+  const ElementPacks tets = heap.packs();
   ASSERT_EQ(tets.packs(), 3);
   std::vector<double> K(static_cast<std::size_t>(3 * reduced_entries * lanes), 1.0);
   std::vector<int> chosen(static_cast<std::size_t>(3 * lanes), 0);
@@ -67,7 +72,7 @@ TEST_P(Tet4PacksTest, AddsOnlyWhatIsChosen) {
   ASSERT_EQ(make_block_sums(tets, place, &sums), 0);
   std::vector<double> result(9 * 20, 0);
   double *arrays[4] = {result.data(), nullptr, nullptr, nullptr};
-  add_blocks()(sums, 0, 3, K.data(), chosen.data(), arrays);
+  add_blocks(sums, 0, 3, K.data(), chosen.data(), arrays);
   for (std::size_t k = 0; k < result.size(); ++k) {
     const bool wanted = k / 9 == 5 || k / 9 == 18;
     EXPECT_EQ(result[k], wanted ? 9 * 0.25 : 0) << k;  // nine reduced entries, times two halves
@@ -75,15 +80,15 @@ TEST_P(Tet4PacksTest, AddsOnlyWhatIsChosen) {
 }
 
 TEST_P(Tet4PacksTest, SumsOfNeighboursAreThoseOfThePlainElements) {
-  // A fan: all elements share vertices 0 and 1, so that long sums occur, in several stretches.
+  // A fan: all elements share vertices 0 and 1, so that long sums occur, in several tiles.
   const StableNeoHookean material({1, 0.4}, StableNeoHookean::Lame::physical);
-  const Heap shapes(11, 3 * 8 * BlockSums::stretch + 5);
-  const Tet4Packs alone = pack_tetrahedra(shapes.mesh);
+  const Heap shapes(11, 3 * 8 * tile_packs(4) + 5);
+  const ElementPacks alone = shapes.packs();
   const auto elements = static_cast<std::size_t>(alone.elements);
   const std::size_t vertices = elements + 3;
-  Tet4Packs fan = alone;
+  ElementPacks fan = alone;
   for (std::size_t e = 0; e < elements; ++e) {
-    PetscInt *vertex = &fan.vertices[4 * lanes * (e / lanes) + e % lanes];
+    PetscInt *vertex = &fan.nodes[4 * lanes * (e / lanes) + e % lanes];
     const auto next = static_cast<PetscInt>(e);
     const PetscInt corners[4] = {0, 1, next + 2, next + 3};
     for (std::size_t a = 0; a < 4; ++a) vertex[lanes * a] = corners[a];
@@ -96,7 +101,7 @@ TEST_P(Tet4PacksTest, SumsOfNeighboursAreThoseOfThePlainElements) {
   double *arrays[4] = {single.data(), nullptr, nullptr, nullptr};
   BlockSums single_sums, fan_sums;
   ASSERT_EQ(make_single_sums(alone, &single_sums), 0);
-  add_blocks()(single_sums, 0, alone.packs(), K.data(), nullptr, arrays);
+  add_blocks(single_sums, 0, alone.packs(), K.data(), nullptr, arrays);
 
   // A dense matrix: most blocks regular, those of every fifth vertex number by number, and without
   // this vertex's second component.
@@ -121,11 +126,11 @@ TEST_P(Tet4PacksTest, SumsOfNeighboursAreThoseOfThePlainElements) {
   };
   ASSERT_EQ(make_block_sums(fan, place, &fan_sums), 0);
   double *dense_arrays[4] = {nullptr, nullptr, dense.data(), nullptr};
-  const PetscInt half = BlockSums::stretch;
-  add_blocks()(fan_sums, 0, half, K.data(), nullptr, dense_arrays);
-  add_blocks()(fan_sums, half, fan.packs() - half,
-               K.data() + static_cast<std::ptrdiff_t>(half) * reduced_entries * lanes, nullptr,
-               dense_arrays);
+  const PetscInt half = tile_packs(4);
+  add_blocks(fan_sums, 0, half, K.data(), nullptr, dense_arrays);
+  add_blocks(fan_sums, half, fan.packs() - half,
+             K.data() + static_cast<std::ptrdiff_t>(half) * reduced_entries * lanes, nullptr,
+             dense_arrays);
   for (std::size_t e = 0; e < elements; ++e) {
     const std::size_t corners[4] = {0, 1, e + 2, e + 3};
     for (std::size_t i = 0; i < 12; ++i) {

@@ -1,8 +1,6 @@
 // The linear tetrahedron against linear fields, finite differences and the closed form of its
 // stable Neo-Hookean Hessian.
 
-#include "element/tet4.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,6 +10,7 @@
 
 #include "material/stable_neo_hookean.hpp"
 #include "matrix3_support.hpp"
+#include "tet4_support.hpp"
 
 namespace trefoil::test {
 namespace {

@@ -1,4 +1,4 @@
-#include "element/block_sums.hpp"
+#include "assembly/block_sums.hpp"
 
 #include <algorithm>
 #include <tuple>
@@ -21,16 +21,17 @@ struct Source {
   }
 };
 
-/// All blocks of the elements from pack `first` on, by pair of vertices.
-void find_sources(const Tet4Packs &tets, PetscInt first, std::vector<Source> *sources) {
+/// All blocks of a tile's elements, from pack `first` on, by pair of vertices.
+void find_sources(const ElementPacks &elements, PetscInt first, std::vector<Source> *sources) {
+  const int nodes = elements.reference->nodes;
   sources->clear();
-  const PetscInt packs = std::min(BlockSums::stretch, tets.packs() - first);
-  for (PetscInt e = 0; e < lanes * packs && lanes * first + e < tets.elements; ++e) {
+  const PetscInt packs = std::min(tile_packs(nodes), elements.packs() - first);
+  for (PetscInt e = 0; e < lanes * packs && lanes * first + e < elements.elements; ++e) {
     const PetscInt *vertex =
-        &tets.vertices[static_cast<std::size_t>(4 * lanes * (first + e / lanes) + e % lanes)];
-    PetscInt block = upper_blocks * lanes * (e / lanes) + e % lanes;
-    for (int a = 0; a < 4; ++a) {
-      for (int b = a; b < 4; ++b, block += lanes) {
+        &elements.nodes[static_cast<std::size_t>(nodes * lanes * (first + e / lanes) + e % lanes)];
+    PetscInt block = upper_blocks(nodes) * lanes * (e / lanes) + e % lanes;
+    for (int a = 0; a < nodes; ++a) {
+      for (int b = a; b < nodes; ++b, block += lanes) {
         sources->push_back(
             {vertex[lanes * a], vertex[lanes * b], static_cast<std::uint16_t>(block)});
       }
@@ -41,17 +42,19 @@ void find_sources(const Tet4Packs &tets, PetscInt first, std::vector<Source> *so
 
 }  // namespace
 
-PetscErrorCode make_block_sums(const Tet4Packs &tets, const PlaceOfBlock &place, BlockSums *sums) {
+PetscErrorCode make_block_sums(const ElementPacks &elements, const PlaceOfBlock &place,
+                               BlockSums *sums) {
   struct Sum {
     BlockSums::Pair pair;
     std::vector<Source>::const_iterator first;
   };
   std::vector<Source> sources;
-  std::vector<Sum> stretch;
+  std::vector<Sum> tile;
   PetscFunctionBeginUser;
-  for (PetscInt first = 0; first < tets.packs(); first += BlockSums::stretch) {
-    find_sources(tets, first, &sources);
-    stretch.clear();
+  for (PetscInt first = 0; first < elements.packs();
+       first += tile_packs(elements.reference->nodes)) {
+    find_sources(elements, first, &sources);
+    tile.clear();
     for (auto begin = sources.cbegin(), end = begin; begin != sources.cend(); begin = end) {
       end = std::find_if_not(begin, sources.cend(),
                              [&](const Source &source) { return source.same_pair(*begin); });
@@ -59,13 +62,13 @@ PetscErrorCode make_block_sums(const Tet4Packs &tets, const PlaceOfBlock &place,
       PetscCall(place(begin->row, begin->column, &pair.upper));
       if (!pair.upper.exists()) continue;
       if (begin->row != begin->column) PetscCall(place(begin->column, begin->row, &pair.lower));
-      stretch.push_back({pair, begin});
+      tile.push_back({pair, begin});
     }
-    std::stable_sort(stretch.begin(), stretch.end(),
+    std::stable_sort(tile.begin(), tile.end(),
                      [](const Sum &a, const Sum &b) { return a.pair.count < b.pair.count; });
     sums->first_pair.push_back(sums->pairs.size());
     sums->first_block.push_back(sums->blocks.size());
-    for (const Sum &sum : stretch) {
+    for (const Sum &sum : tile) {
       sums->pairs.push_back(sum.pair);
       for (auto source = sum.first; source != sum.first + sum.pair.count; ++source) {
         sums->blocks.push_back(source->block);
@@ -86,9 +89,10 @@ double BlockSums::bytes() const {
       numbers.capacity() * sizeof(std::int32_t));
 }
 
-AddBlocks add_blocks_kernel(InstructionSet instructions) {
-  return for_instruction_set(instructions,
-                             []<InstructionSet isa>() { return make_add_blocks<isa>(); });
+AddBlocks add_blocks_kernel(const ReferenceElement &reference, InstructionSet instructions) {
+  return for_instruction_set(instructions, [&]<InstructionSet isa>() {
+    return make_add_blocks<isa>(reference.dimension, reference.nodes);
+  });
 }
 
 }  // namespace trefoil

@@ -1,4 +1,4 @@
-#include "term/element_term.hpp"
+#include "term/elastic_term.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -37,7 +37,12 @@ Tangent<double> from_in_plane_part(int dim, const double *part) {
 
 }  // namespace
 
-ElementTerm::ElementTerm(const Mesh &mesh, std::shared_ptr<const ElementPacks> packs,
+std::shared_ptr<const ElementPacks> pack_cells(const Mesh &mesh) {
+  return std::make_shared<ElementPacks>(pack_elements(
+      reference_element(mesh.dimension(), mesh.nodes_per_cell()), mesh.cells, mesh.coordinates));
+}
+
+ElasticTerm::ElasticTerm(const Mesh &mesh, std::shared_ptr<const ElementPacks> packs,
                          MaterialRuns materials, FilterSpace space)
     : mesh_(mesh),
       materials_(std::move(materials)),
@@ -54,7 +59,7 @@ ElementTerm::ElementTerm(const Mesh &mesh, std::shared_ptr<const ElementPacks> p
   }
 }
 
-double ElementTerm::volume(PetscInt cell) const {
+double ElasticTerm::volume(PetscInt cell) const {
   const int dim = packs_->reference->dimension, points = packs_->reference->points;
   const int numbers = dim * dim + 1;
   double sum = 0;
@@ -65,33 +70,48 @@ double ElementTerm::volume(PetscInt cell) const {
   return sum;
 }
 
-void ElementTerm::add_energy(const double *u, EnergySums *sums) const {
+PetscErrorCode ElasticTerm::add_energy(const double *u, EnergySums *sums) const {
   double energies[2] = {mixed_rest_energy_, 0};
+  PetscFunctionBeginUser;
   materials_.for_each_run(0, packs_->packs(), [&](const MaterialRuns::Run &run) {
     kernels_.energy(*run.material, *packs_, run.first, run.count, u, run.rest_density, energies);
   });
   sums->energy += energies[0];
   sums->scale += energies[1];
   sums->stiffness += stiffness_;
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-void ElementTerm::add_gradient(const double *u, double *gradient) const {
+PetscErrorCode ElasticTerm::add_energy_changes(const double *u, std::size_t, int directions,
+                                               const double *const *d, int points,
+                                               const double *coefficients, double *changes) const {
+  PetscFunctionBeginUser;
+  materials_.for_each_run(0, packs_->packs(), [&](const MaterialRuns::Run &run) {
+    kernels_.energy_changes(*run.material, *packs_, run.first, run.count, u, directions, d, points,
+                            coefficients, changes);
+  });
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode ElasticTerm::add_gradient(const double *u, double *gradient) const {
+  PetscFunctionBeginUser;
   materials_.for_each_run(0, packs_->packs(), [&](const MaterialRuns::Run &run) {
     kernels_.forces(*run.material, *packs_, run.first, run.count, u, gradient);
   });
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-void ElementTerm::hessians(PetscInt first, PetscInt count, const double *u, double *K) const {
+void ElasticTerm::hessians(PetscInt first, PetscInt count, const double *u, double *K) const {
   materials_.for_each_run(first, count, [&](const MaterialRuns::Run &run) {
     kernels_.hessians(*run.material, *packs_, run.first, run.count, u,
                       K + packs_->entries() * lanes * (run.first - first));
   });
 }
 
-SplitResult ElementTerm::split(PetscInt first, PetscInt count, const double *u, const double *K,
+SplitResult ElasticTerm::split(PetscInt first, PetscInt count, const double *u, const double *K,
                                double *N, int *negative) const {
   const auto packs = static_cast<int>(count);
-  if (space_ == FilterSpace::element) return split_packed(rows(), packs, K, N, negative);
+  if (space_ == FilterSpace::element) return split_packed(packs_->rows(), packs, K, N, negative);
 
   const int dim = packs_->reference->dimension, points = packs_->reference->points;
   static thread_local std::vector<double> tangents, negative_parts;
@@ -123,14 +143,9 @@ SplitResult ElementTerm::split(PetscInt first, PetscInt count, const double *u, 
   return result;
 }
 
-void ElementTerm::add_blocks(PetscInt first, PetscInt count, const double *K, const int *chosen,
-                             const ElementPlaces &places, double *const arrays[3]) const {
-  kernels_.add_blocks(*packs_, first, count, K, chosen, places, arrays);
-}
-
 /// One element at a time: the plain path, for output and for what has no batched kernel.
 template <class Visit>
-void ElementTerm::for_each_element(const double *u, Visit visit) const {
+void ElasticTerm::for_each_element(const double *u, Visit visit) const {
   const int nodes = packs_->reference->nodes;
   double positions[3 * ReferenceElement::most_nodes],
       displacements[3 * ReferenceElement::most_nodes];
@@ -144,16 +159,16 @@ void ElementTerm::for_each_element(const double *u, Visit visit) const {
   }
 }
 
-std::unique_ptr<Term> ElementTerm::spreading(Spreading kind) const {
+std::unique_ptr<Term> ElasticTerm::spreading(Spreading kind) const {
   const auto make = [kind](double stiffness) {
     return kind == Spreading::harmonic ? make_material_model(HarmonicSpreading(stiffness))
                                        : make_material_model(RigidSpreading(stiffness));
   };
-  return std::make_unique<ElementTerm>(mesh_, packs_, materials_.by_stiffness(make),
+  return std::make_unique<ElasticTerm>(mesh_, packs_, materials_.by_stiffness(make),
                                        FilterSpace::element);
 }
 
-PetscErrorCode ElementTerm::add_hessian(const double *u, ElementHessianSink &sink) const {
+PetscErrorCode ElasticTerm::add_hessian(const double *u, StencilSink &sink) const {
   const int dim = packs_->reference->dimension, points = packs_->reference->points;
   const int n = dim * packs_->reference->nodes, tangent_rows = dim * dim;
   std::vector<double> H(static_cast<std::size_t>(n * n)), N(H.size());
@@ -179,15 +194,15 @@ PetscErrorCode ElementTerm::add_hessian(const double *u, ElementHessianSink &sin
       negative = found < 0 || negative < 0 ? -1 : negative + found;
     }
     for (int k = 0; k < n; ++k) dofs[static_cast<std::size_t>(k)] = 3 * node[k / dim] + k % dim;
-    error = space_ == FilterSpace::element
-                ? sink.add(n, dofs.data(), H.data())
-                : sink.add_split(n, dofs.data(), H.data(), N.data(), negative);
+    const Stencil stencil{.n = n, .dofs = dofs.data(), .cell = cell};
+    error = space_ == FilterSpace::element ? sink.add(stencil, H.data())
+                                           : sink.add_split(stencil, H.data(), N.data(), negative);
   });
   PetscCall(error);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-void ElementTerm::describe_cells(const double *u, double *determinant,
+void ElasticTerm::describe_cells(const double *u, double *determinant,
                                  double *energy_density) const {
   for_each_element(u, [&](PetscInt cell, const PetscInt *, const IsoparametricElement &element,
                           const double *displacements) {

@@ -1,0 +1,168 @@
+#include "assembly/packed_assembler.hpp"
+
+#include <petsctime.h>
+
+#include <algorithm>
+
+#include "support/log_events.hpp"
+#include "support/petsc_compatibility.hpp"
+
+namespace trefoil {
+namespace {
+
+/// The matrices of one chunk after the other.
+class Chunks {
+ public:
+  explicit Chunks(const PackedElements &elements)
+      : elements_(elements),
+        packs_(elements.elements()),
+        most_(PackedAssembler::chunk_of(packs_)),
+        K(static_cast<std::size_t>(most_ * packs_.entries() * lanes)),
+        N(K.size()),
+        negative(static_cast<std::size_t>(most_ * lanes)) {}
+
+  /// Calls work() for each chunk, packs [first, first + count), whose matrices K are made.
+  template <class Work>
+  PetscErrorCode for_each(const double *u, const Work &work) {
+    PetscFunctionBeginUser;
+    for (first = 0; first < packs_.packs(); first += most_) {
+      count = std::min(most_, packs_.packs() - first);
+      elements_.hessians(first, count, u, K.data());
+      PetscCall(work());
+    }
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+
+  /// N and the counts of negative eigenvalues from K.
+  PetscErrorCode split(const double *u, TrefoilSplitStatistics *statistics) {
+    PetscLogDouble begin = 0, end = 0;
+    PetscFunctionBeginUser;
+    PetscCall(PetscLogEventBegin(event_filter, nullptr, nullptr, nullptr, nullptr));
+    PetscCall(PetscTime(&begin));
+    const SplitResult result =
+        elements_.split(first, count, u, K.data(), N.data(), negative.data());
+    PetscCall(PetscTime(&end));
+    PetscCall(PetscLogEventEnd(event_filter, nullptr, nullptr, nullptr, nullptr));
+    PetscCheck(result.status == SplitStatus::ok || result.status == SplitStatus::not_finite,
+               PETSC_COMM_SELF, PETSC_ERR_LIB, "no eigenvalues of an element Hessian were found");
+    statistics->filter_seconds += end - begin;
+    for (PetscInt e = 0; e < lanes * count && lanes * first + e < packs_.elements; ++e) {
+      statistics->indefinite += negative[static_cast<std::size_t>(e)] > 0;
+    }
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+
+  PetscInt first = 0, count = 0;
+
+ private:
+  const PackedElements &elements_;
+  const ElementPacks &packs_;
+  PetscInt most_;
+
+ public:
+  std::vector<double> K, N;
+  std::vector<int> negative;
+};
+
+/// Adds up H (may be null) and N (may be null) of one term's elements.
+PetscErrorCode assemble_part(const PackedAssembler::Part &part, const BlockSums &sums,
+                             const double *u, const PackedAssembler::Shift &shift, double *const *H,
+                             double *const *N, bool filtering, TrefoilSplitStatistics *statistics) {
+  const PackedElements &elements = *part.elements;
+  const AddBlocks add_blocks = add_blocks_kernel(*elements.elements().reference);
+  const auto expand = elements.expand();
+  Chunks chunk(elements);
+  PetscFunctionBeginUser;
+  PetscCall(chunk.for_each(u, [&] {
+    PetscFunctionBeginUser;
+    const PetscInt first = chunk.first, count = chunk.count;
+    if (H) add_blocks(sums, expand, first, count, chunk.K.data(), nullptr, H);
+    if (!filtering) PetscFunctionReturn(PETSC_SUCCESS);
+    if (shift) shift(elements.elements(), first, count, chunk.K.data());
+    PetscCall(chunk.split(u, statistics));
+    if (!N) PetscFunctionReturn(PETSC_SUCCESS);
+    if (part.negative_factor != 1) {
+      for (double &entry : chunk.N) entry *= part.negative_factor;
+    }
+    add_blocks(sums, expand, first, count, chunk.N.data(), chunk.negative.data(), N);
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }));
+  statistics->elements += elements.elements().elements;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+}  // namespace
+
+PetscInt PackedAssembler::chunk_of(const ElementPacks &packs) {
+  constexpr PetscInt entries = 2880;  // of all of a chunk's matrices of one lane
+  const PetscInt tile = tile_packs(packs.reference->nodes);
+  return tile * std::max<PetscInt>(1, entries / (packs.entries() * tile));
+}
+
+PetscErrorCode PackedAssembler::set_up(const Discretization &discretization,
+                                       std::span<const ElementPacks *const> packs, Mat H) {
+  PetscFunctionBeginUser;
+  PetscCall(blocks_.begin_placing(discretization, H));
+  for (const ElementPacks *each : packs) {
+    const auto same = [each](const auto &pair) { return pair.first == each; };
+    if (std::any_of(sums_.begin(), sums_.end(), same)) continue;
+    BlockSums &sums = sums_.emplace_back(each, BlockSums{}).second;
+    PetscCall(make_block_sums(
+        *each,
+        [&](PetscInt row, PetscInt column, BlockPlace *place) {
+          return blocks_.place(row, column, &sums.numbers, place);
+        },
+        &sums));
+  }
+  PetscCall(blocks_.end_placing());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+const BlockSums &PackedAssembler::sums_of(const ElementPacks &packs) const {
+  return std::find_if(sums_.begin(), sums_.end(),
+                      [&](const auto &pair) { return pair.first == &packs; })
+      ->second;
+}
+
+double PackedAssembler::bytes() const {
+  double sum = blocks_.bytes();
+  for (const auto &[packs, sums] : sums_) sum += sums.bytes();
+  return sum;
+}
+
+PetscErrorCode PackedAssembler::assemble(std::span<const Part> parts, const double *u,
+                                         const Shift &shift, Mat H, Mat N, bool filtering,
+                                         TrefoilSplitStatistics *statistics) const {
+  MatrixBlocks::Target H_target, N_target;
+  PetscFunctionBeginUser;
+  if (H) PetscCall(blocks_.begin(H, &H_target));
+  if (N) PetscCall(blocks_.begin(N, &N_target));
+  for (const Part &part : parts) {
+    PetscCall(assemble_part(part, sums_of(part.elements->elements()), u, shift,
+                            H ? H_target.arrays : nullptr, N ? N_target.arrays : nullptr, filtering,
+                            statistics));
+  }
+  if (H) PetscCall(blocks_.end(&H_target));
+  if (N) PetscCall(blocks_.end(&N_target));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode PackedAssembler::count_negative(const PackedElements &elements, const double *u,
+                                               std::vector<double> *counts) {
+  TrefoilSplitStatistics ignored{};
+  Chunks chunk(elements);
+  PetscFunctionBeginUser;
+  counts->clear();
+  PetscCall(chunk.for_each(u, [&] {
+    PetscFunctionBeginUser;
+    PetscCall(chunk.split(u, &ignored));
+    counts->insert(counts->end(), chunk.negative.begin(),
+                   chunk.negative.begin() + lanes * chunk.count);
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }));
+  counts->resize(
+      static_cast<std::size_t>(elements.elements().elements));  // less what fills the last
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+}  // namespace trefoil
