@@ -326,10 +326,13 @@ PetscErrorCode benchmark(Body &body, double poisson, FilterSpace space, double s
     parts.indefinite = parts.negative = 0;
     PetscCall(measure_parts(term, u, assembler, body.H, body.N, &parts));
   }
-  std::printf("\n%.0f %s, nu %g, %.1f %% indefinite with %.2f negative eigenvalues each%s\n\n",
-              elements, body.mesh.element_name().c_str(), poisson,
-              100 * parts.indefinite / elements, parts.negative / std::max(parts.indefinite, 1.0),
-              space == FilterSpace::deformation ? ", filtered by quadrature point" : "");
+  std::printf(
+      "\n%.0f %s, nu %g, %.1f %% indefinite with %.2f negative eigenvalues each%s; the table "
+      "of places takes %.0f bytes an element\n\n",
+      elements, body.mesh.element_name().c_str(), poisson, 100 * parts.indefinite / elements,
+      parts.negative / std::max(parts.indefinite, 1.0),
+      space == FilterSpace::deformation ? ", filtered by quadrature point" : "",
+      assembler.bytes() / elements);
   const bool counted = packs.reference->nodes == 4 && space == FilterSpace::element;
   std::printf(counted ? "| part                             | ns     | flops | of peak | bytes | "
                         "of bandwidth |\n|---|---|---|---|---|---|\n"

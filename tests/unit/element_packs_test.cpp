@@ -253,6 +253,39 @@ TEST_P(ElementPacksTest, EqualThePlainElement) {
   EXPECT_NEAR(sums[1] / sum, 1, 1e-12) << "psi is nowhere negative";
 }
 
+/// Energies at points of a line and of a plane, in one pass.
+TEST_P(ElementPacksTest, ChangesAreDifferencesOfEnergies) {
+  std::mt19937 random(17);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  std::vector<double> d[2];
+  for (std::vector<double> &each : d) {
+    for (std::size_t k = 0; k < heap_.u.size(); ++k) {
+      each.push_back(static_cast<int>(k % 3) < kind_.dimension ? 0.2 * uniform(random) : 0);
+    }
+  }
+  const double *directions[2] = {d[0].data(), d[1].data()};
+  const double coefficients[6] = {0.5, -1, 0.25, 0.75, 0, 0};
+  const auto energy_at = [&](double a, double b) {
+    std::vector<double> moved = heap_.u;
+    for (std::size_t k = 0; k < moved.size(); ++k) moved[k] += a * d[0][k] + b * d[1][k];
+    double sums[2] = {0, 0};
+    kernels_.energy(*model_, packs_, 0, packs_.packs(), moved.data(), 0, sums);
+    return sums[0];
+  };
+  for (const int dimensions : {1, 2}) {
+    const int samples = 6 / dimensions;
+    std::vector<double> changes(static_cast<std::size_t>(samples), 1);
+    kernels_.energy_changes(*model_, packs_, 0, packs_.packs(), heap_.u.data(), dimensions,
+                            directions, samples, coefficients, changes.data());
+    for (int s = 0; s < samples; ++s) {
+      const double *c = coefficients + dimensions * s;
+      const double expected = energy_at(c[0], dimensions == 2 ? c[1] : 0) - energy_at(0, 0);
+      EXPECT_NEAR(changes[static_cast<std::size_t>(s)], 1 + expected, 1e-12 * energy_at(0, 0))
+          << dimensions << ' ' << s;
+    }
+  }
+}
+
 TEST_P(ElementPacksTest, ReducedMatricesHaveTheEigenvaluesOfTheElement) {
   // The trace and the Frobenius norm show what an orthonormal basis keeps.
   std::vector<double> K(static_cast<std::size_t>(packs_.packs() * packs_.entries() * lanes));
