@@ -2,11 +2,11 @@
 
 #include <petscsystypes.h>
 
-#include <map>
 #include <string>
 #include <vector>
 
 #include "mesh/cell_shape.hpp"
+#include "mesh/groups.hpp"
 #include "trefoil/input_error.hpp"
 
 namespace trefoil {
@@ -18,8 +18,11 @@ struct CellList {
   const CellShape *shape = &shapes::tet4;  ///< of all cells
   std::vector<double> coordinates;         ///< vertices x 3
   std::vector<PetscInt> cells;             ///< cells x nodes_per_cell(), 0-based vertex numbers
-  std::vector<PetscInt> groups{};  ///< of each cell: its physical group, 0: none; empty: no cell's
-  std::map<std::string, PetscInt> group_names{};  ///< of those groups that have one
+  Groups groups{};
+  /// Of each vertex and cell, where it came in the file, 0-based; what the file has not comes
+  /// behind all that it has, with a number of its own. Empty: as they stand.
+  std::vector<PetscInt> vertex_number{}, cell_number{};
+  PetscInt file_vertices = 0;  ///< vertices of the file, where they are numbered
 
   [[nodiscard]] int dimension() const { return shape->dimension; }
   [[nodiscard]] int corners() const { return shape->corners; }
@@ -29,5 +32,18 @@ struct CellList {
     return static_cast<PetscInt>(cells.size()) / nodes_per_cell();
   }
 };
+
+/// "tetrahedron 7": a cell as the user may count it, from 1 in the file's order.
+std::string name_of_cell(const CellList &mesh, PetscInt cell);
+
+/// Notes where vertices and cells stand now; all that follows takes these numbers along.
+void number_as_in_file(CellList &mesh);
+
+/// Gives vertices new numbers, 0 ... count - 1, and leaves out those with -1, which no cell may
+/// use; what groups have of them goes too.
+void renumber_vertices(CellList &mesh, const std::vector<PetscInt> &new_number, PetscInt count);
+
+/// Keeps these cells, in this order.
+void keep_cells(CellList &mesh, const std::vector<PetscInt> &order);
 
 }  // namespace trefoil

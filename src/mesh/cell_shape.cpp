@@ -34,7 +34,9 @@ constexpr std::span<const Entry> first(const Entry (&entries)[size], std::size_t
   return std::span<const Entry>(entries).first(count);
 }
 
-constexpr const CellShape *all[] = {&shapes::tri3, &shapes::tri6, &shapes::tet4, &shapes::tet10};
+constexpr const CellShape *all[] = {&shapes::point, &shapes::edge2, &shapes::edge3, &shapes::tri3,
+                                    &shapes::tri6,  &shapes::tet4,  &shapes::tet10};
+constexpr std::size_t below_cells = 3;
 
 }  // namespace
 
@@ -190,8 +192,12 @@ const CellShape tet10{.name = "tet10",
 
 }  // namespace shapes
 
-std::span<const CellShape *const> mesh_shapes() {
+std::span<const CellShape *const> all_shapes() {
   return all;
+}
+
+std::span<const CellShape *const> mesh_shapes() {
+  return all_shapes().subspan(below_cells);
 }
 
 }  // namespace trefoil

@@ -53,7 +53,9 @@ inline std::string counted(long long count, const CellShape &shape) {
   return std::to_string(count) + " " + (count == 1 ? shape.singular : shape.plural);
 }
 
-/// All shapes that a mesh may consist of.
+/// All rows.
+std::span<const CellShape *const> all_shapes();
+/// The shapes that a mesh may consist of.
 std::span<const CellShape *const> mesh_shapes();
 
 }  // namespace trefoil

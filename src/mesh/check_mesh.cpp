@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
+
+#include "mesh/repeated.hpp"
 
 namespace trefoil {
 namespace {
@@ -106,29 +109,69 @@ std::string counts_of_bad(const CellList &mesh, const RestCheck &check) {
   return degenerate + " and " + counted(check.negative, *mesh.shape, "of negative volume");
 }
 
-[[noreturn]] void fail_for_rest_shape(const CellList &mesh, const RestCheck &check,
-                                      const std::string &name) {
-  const bool is_turned_round = check.negative == mesh.size();
-  throw InputError(name + ": " + counts_of_bad(mesh, check) + ", the first is " +
-                   mesh.shape->singular + " " + std::to_string(check.first) +
-                   (is_turned_round
-                        ? "; the whole mesh is oriented the other way round, so swap two vertices "
-                          "of every tetrahedron"
-                        : "; mend the mesh, or leave them out with -mesh_repair drop"));
+// " (tetrahedron 7 is tetrahedron 3 turned round)", or nothing.
+std::string text_of_twins(const CellList &mesh) {
+  const std::vector<PetscInt> first = first_with_same_corners(mesh);
+  for (PetscInt cell = 0; cell < mesh.size(); ++cell) {
+    const PetscInt twin = first[static_cast<std::size_t>(cell)];
+    if (twin != cell && is_turned_round(mesh, twin) != is_turned_round(mesh, cell))
+      return " (" + name_of_cell(mesh, cell) + " is " + name_of_cell(mesh, twin) + " turned round)";
+  }
+  return "";
 }
 
-void drop_bad_cells(CellList &mesh) {
-  const auto width = static_cast<std::ptrdiff_t>(mesh.nodes_per_cell());
-  std::ptrdiff_t kept = 0;
-  for (std::ptrdiff_t cell = 0; cell < mesh.size(); ++cell) {
-    if (rest_shape(mesh, static_cast<std::size_t>(cell)) != RestShape::good) continue;
-    if (!mesh.groups.empty()) {
-      mesh.groups[static_cast<std::size_t>(kept)] = mesh.groups[static_cast<std::size_t>(cell)];
-    }
-    std::copy_n(mesh.cells.begin() + width * cell, width, mesh.cells.begin() + width * kept++);
+[[noreturn]] void fail_for_rest_shape(const CellList &mesh, const RestCheck &check,
+                                      const std::string &name) {
+  throw InputError(name + ": " + counts_of_bad(mesh, check) + ", the first is " +
+                   name_of_cell(mesh, check.first - 1) + text_of_twins(mesh) +
+                   "; mend the mesh, or leave them out with -mesh_repair drop");
+}
+
+// How many facets two kinds of cells have, by the facets' corners.
+using FacetCounts = std::map<std::vector<PetscInt>, std::array<int, 2>>;
+
+// Counts the facets of a cell for the kind that it is of: all of them, or those that are there.
+void count_facets(const CellList &mesh, std::size_t cell, std::size_t kind, bool adds,
+                  FacetCounts &counts) {
+  const PetscInt *node = &mesh.cells[first_node(mesh, cell)];
+  for (const auto &facet : mesh.shape->facets) {
+    std::vector<PetscInt> corners;
+    for (std::size_t k = 0; k < static_cast<std::size_t>(mesh.shape->facet->corners); ++k)
+      corners.push_back(node[facet[k]]);
+    std::sort(corners.begin(), corners.end());
+    if (std::adjacent_find(corners.begin(), corners.end()) != corners.end()) continue;
+    if (adds)
+      ++counts[corners][kind];
+    else if (const auto found = counts.find(corners); found != counts.end())
+      ++found->second[kind];
   }
-  mesh.cells.resize(static_cast<std::size_t>(width * kept));
-  if (!mesh.groups.empty()) mesh.groups.resize(static_cast<std::size_t>(kept));
+}
+
+// Facets that were between a good cell and a bad one. A cell that has collapsed to a facet, which
+// it then has twice, leaves its neighbours facing each other.
+PetscInt count_open_facets(const CellList &mesh, const std::vector<char> &is_good) {
+  constexpr std::size_t good = 0, bad = 1;
+  FacetCounts counts;
+  for (std::size_t cell = 0; cell < is_good.size(); ++cell)
+    if (!is_good[cell]) count_facets(mesh, cell, bad, true, counts);
+  for (std::size_t cell = 0; cell < is_good.size(); ++cell)
+    if (is_good[cell]) count_facets(mesh, cell, good, false, counts);
+  return static_cast<PetscInt>(std::count_if(counts.begin(), counts.end(), [](const auto &facet) {
+    return facet.second[good] == 1 && facet.second[bad] == 1;
+  }));
+}
+
+// Returns how many facets that opens.
+PetscInt drop_bad_cells(CellList &mesh) {
+  std::vector<PetscInt> good;
+  std::vector<char> is_good;
+  for (PetscInt cell = 0; cell < mesh.size(); ++cell) {
+    is_good.push_back(rest_shape(mesh, static_cast<std::size_t>(cell)) == RestShape::good);
+    if (is_good.back()) good.push_back(cell);
+  }
+  const PetscInt opened = count_open_facets(mesh, is_good);
+  keep_cells(mesh, good);
+  return opened;
 }
 
 // A plane mesh must be plane. Which way round its triangles are written means nothing: they are
@@ -161,21 +204,12 @@ bool all_vertices_coincide(const CellList &mesh) {
 PetscInt drop_unused_vertices(CellList &mesh) {
   constexpr PetscInt unused = -1;
   const PetscInt before = mesh.vertices();
-  constexpr std::size_t dim = 3;
-
   std::vector<PetscInt> new_number(static_cast<std::size_t>(before), unused);
   for (const PetscInt vertex : mesh.cells) new_number[static_cast<std::size_t>(vertex)] = 0;
-
   PetscInt after = 0;
-  for (std::size_t vertex = 0; vertex < new_number.size(); ++vertex) {
-    if (new_number[vertex] == unused) continue;
-    const auto target = static_cast<std::size_t>(after);
-    for (std::size_t component = 0; component < dim; ++component)
-      mesh.coordinates[dim * target + component] = mesh.coordinates[dim * vertex + component];
-    new_number[vertex] = after++;
-  }
-  mesh.coordinates.resize(dim * static_cast<std::size_t>(after));
-  for (PetscInt &vertex : mesh.cells) vertex = new_number[static_cast<std::size_t>(vertex)];
+  for (PetscInt &number : new_number)
+    if (number != unused) number = after++;
+  if (after < before) renumber_vertices(mesh, new_number, after);
   return before - after;
 }
 
@@ -190,17 +224,29 @@ RestCheck check_rest_shape(const CellList &mesh) {
   return check;
 }
 
-PetscInt repair_rest_shape(CellList &mesh, Repair repair, const std::string &name) {
+bool is_turned_round(const CellList &mesh, PetscInt cell) {
+  return rest_shape(mesh, static_cast<std::size_t>(cell)) == RestShape::negative;
+}
+
+RepairReport repair_rest_shape(CellList &mesh, Repair repair, const std::string &name) {
+  RepairReport report;
   if (mesh.size() == 0) throw InputError(name + ": has no tetrahedra; give a volume mesh");
   if (mesh.dimension() == 2) lay_flat(mesh, name);
-  const RestCheck check = check_rest_shape(mesh);
-  if (check.bad() == 0) return 0;
+  RestCheck check = check_rest_shape(mesh);
+  if (check.negative > 0 && check.bad() == mesh.size()) {
+    for (std::size_t cell = 0; cell < static_cast<std::size_t>(mesh.size()); ++cell)
+      turn_round(mesh, cell);
+    report.turned = check.negative;
+    check = check_rest_shape(mesh);
+  }
+  if (check.bad() == 0) return report;
   if (repair == Repair::none) fail_for_rest_shape(mesh, check, name);
   if (check.bad() == mesh.size())
     throw InputError(name + ": nothing is left with -mesh_repair drop, because " +
                      counts_of_bad(mesh, check) + "; mend the mesh");
-  drop_bad_cells(mesh);
-  return check.bad();
+  report.dropped = check.bad();
+  report.opened = drop_bad_cells(mesh);
+  return report;
 }
 
 void normalize(CellList &mesh) {

@@ -1,12 +1,6 @@
-#include <petscsf.h>
-
 #include <algorithm>
-#include <limits>
-#include <numeric>
-#include <sstream>
 
-#include "mesh/mesh.hpp"
-#include "support/petsc_compatibility.hpp"
+#include "mesh/distribution.hpp"
 
 namespace trefoil {
 namespace {
@@ -21,208 +15,131 @@ PetscErrorCode tell_shape(MPI_Comm comm, const CellShape &shape, Mesh *mesh) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// This rank's cells (global vertex numbers) and its even share of the vertices.
+/// This rank's cells, by the whole mesh's vertex numbers, and its even share of the vertices.
 struct Share {
-  std::vector<PetscInt> cells, groups;
+  std::vector<PetscInt> cells, sets, cell_number, vertex_number;
   std::vector<double> coordinates;
 };
 
-/// Sends rank r `counts[r]` consecutive entries of `all`, which only the first rank has.
-template <class T>
-PetscErrorCode scatter(MPI_Comm comm, MPI_Datatype type, const std::vector<T> &all,
-                       const std::vector<PetscMPIInt> &counts, std::vector<T> *mine) {
-  PetscMPIInt rank = 0, count = 0;
-  std::vector<PetscMPIInt> offsets(counts.size(), 0);
-  PetscFunctionBeginUser;
-  PetscCallMPI(MPI_Comm_rank(comm, &rank));
-  std::exclusive_scan(counts.begin(), counts.end(), offsets.begin(), 0);
-  PetscCallMPI(MPI_Scatter(counts.data(), 1, MPI_INT, &count, 1, MPI_INT, 0, comm));
-  mine->resize(static_cast<std::size_t>(count));
-  PetscCallMPI(MPI_Scatterv(all.data(), counts.data(), offsets.data(), type, mine->data(), count,
-                            type, 0, comm));
-  PetscFunctionReturn(PETSC_SUCCESS);
+/// Entries of `width` numbers a cell, sorted by the cells' ranks.
+std::vector<PetscInt> by_rank(const std::vector<PetscInt> &entries, std::size_t width,
+                              const std::vector<PetscInt> &order) {
+  std::vector<PetscInt> sorted;
+  if (entries.empty()) return sorted;
+  sorted.reserve(entries.size());
+  for (const PetscInt cell : order) {
+    const auto entry = entries.begin() + static_cast<std::ptrdiff_t>(width) * cell;
+    sorted.insert(sorted.end(), entry, entry + static_cast<std::ptrdiff_t>(width));
+  }
+  return sorted;
+}
+
+/// The cells of rank 0, then those of rank 1, and so on, each rank's in the order of the list.
+std::vector<PetscInt> order_by_rank(const Partition &partition,
+                                    std::vector<PetscMPIInt> &cells_of_rank) {
+  for (const PetscInt p : partition.rank_of_cell) ++cells_of_rank[static_cast<std::size_t>(p)];
+  std::vector<std::size_t> next(cells_of_rank.size(), 0);
+  std::exclusive_scan(cells_of_rank.begin(), cells_of_rank.end(), next.begin(), std::size_t{0});
+  std::vector<PetscInt> order(partition.rank_of_cell.size());
+  for (std::size_t cell = 0; cell < order.size(); ++cell) {
+    const auto p = static_cast<std::size_t>(partition.rank_of_cell[cell]);
+    order[next[p]++] = static_cast<PetscInt>(cell);
+  }
+  return order;
 }
 
 PetscErrorCode send_shares(MPI_Comm comm, const CellList &whole, const Partition &partition,
                            Share *share) {
   PetscMPIInt rank = 0, ranks = 0;
-  const int width = whole.nodes_per_cell();
   PetscFunctionBeginUser;
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
   PetscCallMPI(MPI_Comm_size(comm, &ranks));
-  const auto parts = static_cast<std::size_t>(ranks);
-  std::vector<PetscMPIInt> corner_counts(parts, 0), coordinate_counts(parts, 0);
-  std::vector<PetscMPIInt> group_counts(parts, 0);
-  std::vector<PetscInt> sorted, groups(whole.groups.size());
+  const std::vector<PetscMPIInt> nothing(static_cast<std::size_t>(ranks), 0);
+  std::vector<PetscMPIInt> cells(nothing), vertices(nothing);
+  std::vector<PetscInt> order;
   if (rank == 0) {
-    for (PetscInt p : partition.rank_of_cell) {
-      corner_counts[static_cast<std::size_t>(p)] += width;
-    }
-    std::vector<std::size_t> next(parts, 0);
-    std::exclusive_scan(corner_counts.begin(), corner_counts.end(), next.begin(), std::size_t{0});
-    sorted.resize(whole.cells.size());
-    auto corner = whole.cells.begin();
-    auto group = whole.groups.begin();
-    for (PetscInt p : partition.rank_of_cell) {
-      auto &position = next[static_cast<std::size_t>(p)];
-      if (!groups.empty()) {
-        groups[position / static_cast<std::size_t>(width)] = *group++;
-        ++group_counts[static_cast<std::size_t>(p)];
-      }
-      std::copy_n(corner, width, sorted.begin() + static_cast<std::ptrdiff_t>(position));
-      position += static_cast<std::size_t>(width);
-      corner += width;
-    }
-    const PetscInt vertices = whole.vertices();
-    for (PetscInt p = 0; p < ranks; ++p) {
-      coordinate_counts[static_cast<std::size_t>(p)] =
-          3 * (vertices / ranks + (p < vertices % ranks));
+    order = order_by_rank(partition, cells);
+    for (PetscInt p = 0; p < ranks; ++p) {  // as PetscLayout divides them
+      vertices[static_cast<std::size_t>(p)] =
+          whole.vertices() / ranks + (p < whole.vertices() % ranks);
     }
   }
-  PetscCall(scatter(comm, MPIU_INT, sorted, corner_counts, &share->cells));
-  PetscCall(scatter(comm, MPIU_INT, groups, group_counts, &share->groups));
-  PetscCall(scatter(comm, MPI_DOUBLE, whole.coordinates, coordinate_counts, &share->coordinates));
+  const auto times = [](std::vector<PetscMPIInt> counts, int width) {
+    for (PetscMPIInt &count : counts) count *= width;
+    return counts;
+  };
+  const auto send = [&](const std::vector<PetscInt> &entries, int width,
+                        std::vector<PetscInt> *mine) {
+    return scatter(comm, MPIU_INT, by_rank(entries, static_cast<std::size_t>(width), order),
+                   entries.empty() ? nothing : times(cells, width), mine);
+  };
+  PetscCall(send(whole.cells, whole.nodes_per_cell(), &share->cells));
+  PetscCall(send(whole.groups.set_of_cell, 1, &share->sets));
+  PetscCall(send(whole.cell_number, 1, &share->cell_number));
+  PetscCall(scatter(comm, MPI_DOUBLE, whole.coordinates, times(vertices, 3), &share->coordinates));
+  PetscCall(scatter(comm, MPIU_INT, whole.vertex_number,
+                    whole.vertex_number.empty() ? nothing : vertices, &share->vertex_number));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// Uniform refinement works on a mesh with edges and faces; they are made for it and thrown away.
-PetscErrorCode refine_uniformly(DM *dm) {
-  DM interpolated = nullptr, refined = nullptr;
+/// The number of each local vertex in the whole mesh: the DMPlex has its cells in the order in
+/// which they came, and their vertices too.
+PetscErrorCode take_whole_numbers(const Mesh &mesh, const std::vector<PetscInt> &cells,
+                                  std::vector<PetscInt> *whole_number) {
+  PetscInt begin = 0, first = 0, end = 0;
+  const auto width = static_cast<std::size_t>(mesh.nodes_per_cell());
   PetscFunctionBeginUser;
-  PetscCall(DMPlexInterpolate(*dm, &interpolated));
-  PetscCall(DMDestroy(dm));
-  PetscCall(DMPlexSetRefinementUniform(interpolated, PETSC_TRUE));
-  PetscCall(DMRefine(interpolated, PetscObjectComm(reinterpret_cast<PetscObject>(interpolated)),
-                     &refined));
-  PetscCall(DMDestroy(&interpolated));
-  PetscCall(DMPlexUninterpolate(refined, dm));
-  PetscCall(DMPlexCopyCoordinates(refined, *dm));
-  PetscCall(DMDestroy(&refined));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode take_coordinates(Mesh *mesh) {
-  Vec coordinates = nullptr;
-  const PetscScalar *values = nullptr;
-  PetscInt size = 0;
-  PetscFunctionBeginUser;
-  PetscCall(DMGetCoordinatesLocal(mesh->dm, &coordinates));
-  PetscCall(VecGetLocalSize(coordinates, &size));
-  PetscCall(VecGetArrayRead(coordinates, &values));
-  mesh->coordinates.assign(values, values + size);
-  PetscCall(VecRestoreArrayRead(coordinates, &values));
-
-  std::array<double, 6> box;  // minima, then negated maxima, so that one reduction serves both
-  box.fill(std::numeric_limits<double>::infinity());
-  for (std::size_t i = 0; i < mesh->coordinates.size(); ++i) {
-    box[i % 3] = std::min(box[i % 3], mesh->coordinates[i]);
-    box[3 + i % 3] = std::min(box[3 + i % 3], -mesh->coordinates[i]);
-  }
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, box.data(), 6, MPI_DOUBLE, MPI_MIN,
-                             PetscObjectComm(reinterpret_cast<PetscObject>(mesh->dm))));
-  for (std::size_t i = 0; i < 3; ++i) {
-    mesh->box_min[i] = box[i];
-    mesh->box_max[i] = -box[3 + i];
+  PetscCall(DMPlexGetHeightStratum(mesh.dm, 0, &begin, nullptr));
+  PetscCall(DMPlexGetDepthStratum(mesh.dm, 0, &first, &end));
+  whole_number->assign(static_cast<std::size_t>(end - first), 0);
+  for (std::size_t c = 0; c < cells.size() / width; ++c) {
+    const PetscInt *cone = nullptr;
+    PetscCall(DMPlexGetCone(mesh.dm, begin + static_cast<PetscInt>(c), &cone));
+    for (std::size_t a = 0; a < width; ++a) {
+      (*whole_number)[static_cast<std::size_t>(cone[a] - first)] = cells[width * c + a];
+    }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode take_vertex_numbers(Mesh *mesh) {
-  IS numbering = nullptr;
-  const PetscInt *number = nullptr;
-  PetscInt begin = 0, end = 0;
+/// Fetches what the even shares of the vertices have, for the local vertices.
+PetscErrorCode fetch(MPI_Comm comm, const std::vector<PetscInt> &share,
+                     const std::vector<PetscInt> &whole_number, std::vector<PetscInt> *mine) {
+  PetscLayout layout = nullptr;
+  PetscSF shares = nullptr;
   PetscFunctionBeginUser;
-  PetscCall(DMPlexGetDepthStratum(mesh->dm, 0, &begin, &end));
-  mesh->first_vertex = begin;
-  PetscCall(DMPlexGetVertexNumbering(mesh->dm, &numbering));
-  PetscCall(ISGetIndices(numbering, &number));
-  for (PetscInt v = 0; v < end - begin; ++v) {
-    // DMPlex marks the vertices of other ranks by -(number + 1).
-    mesh->owned.push_back(number[v] >= 0);
-    mesh->global_vertex.push_back(number[v] >= 0 ? number[v] : -(number[v] + 1));
-  }
-  PetscCall(ISRestoreIndices(numbering, &number));
+  mine->assign(whole_number.size(), 0);
+  PetscCall(PetscLayoutCreateFromSizes(comm, static_cast<PetscInt>(share.size()), PETSC_DECIDE, 1,
+                                       &layout));
+  PetscCall(PetscSFCreate(comm, &shares));
+  PetscCall(PetscSFSetGraphLayout(shares, layout, static_cast<PetscInt>(whole_number.size()),
+                                  nullptr, PETSC_OWN_POINTER, whole_number.data()));
+  PetscCall(PetscSFBcastBegin(shares, MPIU_INT, share.data(), mine->data(), MPI_REPLACE));
+  PetscCall(PetscSFBcastEnd(shares, MPIU_INT, share.data(), mine->data(), MPI_REPLACE));
+  PetscCall(PetscSFDestroy(&shares));
+  PetscCall(PetscLayoutDestroy(&layout));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// Corners as the DMPlex has them, which for a mesh from a cell list is the order of the file.
-PetscErrorCode take_cells(Mesh *mesh) {
-  PetscInt begin = 0, end = 0;
+/// The file's numbers of cells and vertices; where the list has none, its own.
+PetscErrorCode take_file_numbers(MPI_Comm comm, const CellList &whole, const Share &share,
+                                 const std::vector<PetscInt> &whole_number, Mesh *mesh) {
+  PetscInt known[2] = {!whole.vertex_number.empty(), whole.file_vertices}, first = 0;
+  const auto cells = static_cast<PetscInt>(share.cells.size()) / mesh->nodes_per_cell();
   PetscFunctionBeginUser;
-  PetscCall(DMPlexGetHeightStratum(mesh->dm, 0, &begin, &end));
-  mesh->cells.reserve(static_cast<std::size_t>(mesh->nodes_per_cell() * (end - begin)));
-  for (PetscInt c = begin; c < end; ++c) {
-    const PetscInt *corner = nullptr;
-    PetscCall(DMPlexGetCone(mesh->dm, c, &corner));
-    for (int a = 0; a < mesh->nodes_per_cell(); ++a)
-      mesh->cells.push_back(corner[a] - mesh->first_vertex);
+  PetscCallMPI(MPI_Bcast(known, 2, MPIU_INT, 0, comm));
+  if (known[0]) {
+    mesh->file_vertices = known[1];
+    mesh->cell_number = share.cell_number;
+    PetscCall(fetch(comm, share.vertex_number, whole_number, &mesh->vertex_number));
+    PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/// Cells come from the list in its order, and a refined one's children one after the other.
-void take_groups(const Share &share, Mesh *mesh) {
-  if (share.groups.empty()) return;
-  const std::size_t children = static_cast<std::size_t>(mesh->local_cells()) / share.groups.size();
-  for (PetscInt group : share.groups) mesh->groups.insert(mesh->groups.end(), children, group);
-}
-
-/// Tells all ranks the names of groups, which the first one knows.
-PetscErrorCode send_group_names(MPI_Comm comm, const std::map<std::string, PetscInt> &names,
-                                Mesh *mesh) {
-  std::string text;  // name, zero, number, zero
-  PetscFunctionBeginUser;
-  for (const auto &[name, number] : names) {
-    text += name + '\0' + std::to_string(number) + '\0';
-  }
-  auto length = static_cast<PetscMPIInt>(text.size());
-  PetscCallMPI(MPI_Bcast(&length, 1, MPI_INT, 0, comm));
-  text.resize(static_cast<std::size_t>(length));
-  PetscCallMPI(MPI_Bcast(text.data(), length, MPI_CHAR, 0, comm));
-  std::istringstream words(text);
-  for (std::string name, number; std::getline(words, name, '\0');) {
-    std::getline(words, number, '\0');
-    mesh->group_names.emplace(name, static_cast<PetscInt>(std::stol(number)));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/// How many vertices are corners of a cell, which the owner of a vertex may have to be told.
-PetscErrorCode count_corners(MPI_Comm comm, Mesh *mesh) {
-  PetscSF points = nullptr;
-  PetscInt begin = 0, end = 0, corners = 0;
-  PetscFunctionBeginUser;
-  PetscCall(DMGetPointSF(mesh->dm, &points));
-  PetscCall(DMPlexGetChart(mesh->dm, &begin, &end));
-  std::vector<PetscInt> seen(static_cast<std::size_t>(end - begin), 0);
-  const auto width = static_cast<std::size_t>(mesh->nodes_per_cell());
-  for (std::size_t k = 0; k < mesh->cells.size(); ++k) {
-    if (static_cast<int>(k % width) >= mesh->shape->corners) continue;
-    seen[static_cast<std::size_t>(mesh->first_vertex + mesh->cells[k])] = 1;
-  }
-  std::vector<PetscInt> at_owner(seen);
-  PetscCall(PetscSFReduceBegin(points, MPIU_INT, seen.data(), at_owner.data(), MPI_MAX));
-  PetscCall(PetscSFReduceEnd(points, MPIU_INT, seen.data(), at_owner.data(), MPI_MAX));
-  for (std::size_t v = 0; v < mesh->owned.size(); ++v) {
-    corners += mesh->owned[v] && at_owner[static_cast<std::size_t>(mesh->first_vertex) + v];
-  }
-  PetscCallMPI(MPI_Allreduce(&corners, &mesh->total_corners, 1, MPIU_INT, MPI_SUM, comm));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode count_totals(MPI_Comm comm, Mesh *mesh) {
-  PetscMPIInt ranks = 0;
-  PetscFunctionBeginUser;
-  PetscCallMPI(MPI_Comm_size(comm, &ranks));
-  PetscInt mine[2] = {mesh->local_cells(),
-                      static_cast<PetscInt>(std::count(mesh->owned.begin(), mesh->owned.end(), 1))};
-  PetscInt totals[2] = {0, 0}, largest = 0;
-  PetscCallMPI(MPI_Allreduce(mine, totals, 2, MPIU_INT, MPI_SUM, comm));
-  PetscCallMPI(MPI_Allreduce(mine, &largest, 1, MPIU_INT, MPI_MAX, comm));
-  mesh->total_cells = totals[0];
-  mesh->total_vertices = totals[1];
-  PetscCall(count_corners(comm, mesh));
-  mesh->imbalance = static_cast<double>(largest) * ranks / static_cast<double>(totals[0]);
+  mesh->vertex_number = whole_number;
+  mesh->file_vertices = whole.vertices();
+  PetscCallMPI(MPI_Bcast(&mesh->file_vertices, 1, MPIU_INT, 0, comm));
+  PetscCallMPI(MPI_Exscan(&cells, &first, 1, MPIU_INT, MPI_SUM, comm));
+  mesh->cell_number.resize(static_cast<std::size_t>(cells));
+  std::iota(mesh->cell_number.begin(), mesh->cell_number.end(), first);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -232,6 +149,7 @@ PetscErrorCode distribute_mesh(MPI_Comm comm, const CellList &whole, const std::
                                PetscInt refine, Mesh *mesh) {
   Partition partition;
   Share share;
+  std::vector<PetscInt> whole_number;
   PetscFunctionBeginUser;
   PetscCall(tell_shape(comm, *whole.shape, mesh));
   PetscCheck(!is_quadratic(*mesh->shape) || refine == 0, comm, PETSC_ERR_ARG_WRONG,
@@ -244,16 +162,14 @@ PetscErrorCode distribute_mesh(MPI_Comm comm, const CellList &whole, const std::
       comm, mesh->dimension(), static_cast<PetscInt>(share.cells.size()) / mesh->nodes_per_cell(),
       static_cast<PetscInt>(share.coordinates.size()) / 3, PETSC_DECIDE, mesh->nodes_per_cell(),
       PETSC_FALSE, share.cells.data(), 3, share.coordinates.data(), nullptr, nullptr, &mesh->dm));
-  for (PetscInt level = 0; level < refine; ++level) {
-    PetscCall(refine_uniformly(&mesh->dm));
-    mesh->edge_cut *= mesh->shape->facet->children;
-  }
-  PetscCall(take_vertex_numbers(mesh));
-  PetscCall(take_coordinates(mesh));
-  PetscCall(take_cells(mesh));
-  take_groups(share, mesh);
-  PetscCall(send_group_names(comm, whole.group_names, mesh));
-  PetscCall(count_totals(comm, mesh));
+  PetscCall(take_whole_numbers(*mesh, share.cells, &whole_number));
+  PetscCall(take_file_numbers(comm, whole, share, whole_number, mesh));
+  PetscCall(distribute_groups(comm, whole, partition, whole_number, mesh));
+  mesh->groups.set_of_cell = share.sets;
+  if (refine > 0) PetscCall(refine_distributed(refine, mesh));
+  PetscCall(take_arrays(mesh));
+  PetscCall(count_groups(comm, mesh));
+  PetscCall(connected_components(*mesh, &mesh->part, &mesh->parts));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <numeric>
+#include <set>
 
 namespace trefoil {
 namespace {
@@ -20,65 +22,113 @@ std::uint64_t spread(std::uint64_t bits) {
   return bits;
 }
 
-/// The place of each vertex on Morton's curve: the bits of its coordinates in turn.
-std::vector<std::uint64_t> curve_places(const CellList &mesh) {
-  constexpr double steps = 0x1fffff;
-  std::array<double, 3> least, most;
-  least.fill(std::numeric_limits<double>::infinity());
-  most.fill(-std::numeric_limits<double>::infinity());
-  for (std::size_t i = 0; i < mesh.coordinates.size(); ++i) {
-    least[i % 3] = std::min(least[i % 3], mesh.coordinates[i]);
-    most[i % 3] = std::max(most[i % 3], mesh.coordinates[i]);
+/// Morton's curve through the box of the vertices: the bits of a point's coordinates in turn.
+class Curve {
+ public:
+  explicit Curve(const CellList &mesh) {
+    std::array<double, 3> most;
+    least_.fill(std::numeric_limits<double>::infinity());
+    most.fill(-std::numeric_limits<double>::infinity());
+    for (std::size_t i = 0; i < mesh.coordinates.size(); ++i) {
+      least_[i % 3] = std::min(least_[i % 3], mesh.coordinates[i]);
+      most[i % 3] = std::max(most[i % 3], mesh.coordinates[i]);
+    }
+    for (std::size_t i = 0; i < 3; ++i) {
+      size_ = std::max(size_, most[i] - least_[i]);
+      diagonal_ = std::hypot(diagonal_, most[i] - least_[i]);
+    }
   }
-  double size = 0;
-  for (std::size_t i = 0; i < 3; ++i) size = std::max(size, most[i] - least[i]);
-  std::vector<std::uint64_t> places(mesh.coordinates.size() / 3, 0);
-  for (std::size_t i = 0; i < mesh.coordinates.size() && size > 0; ++i) {
-    const double part = (mesh.coordinates[i] - least[i % 3]) / size;
-    places[i / 3] |= spread(static_cast<std::uint64_t>(steps * part)) << i % 3;
+
+  [[nodiscard]] double diagonal() const { return diagonal_; }
+  /// The point's place on the curve; points outside of the box are moved into it.
+  [[nodiscard]] std::uint64_t place(const std::array<double, 3> &point) const {
+    constexpr double steps = 0x1fffff;
+    std::uint64_t place = 0;
+    for (std::size_t i = 0; i < 3 && size_ > 0; ++i) {
+      const double part = std::clamp((point[i] - least_[i]) / size_, 0., 1.);
+      place |= spread(static_cast<std::uint64_t>(steps * part)) << i;
+    }
+    return place;
   }
+
+ private:
+  std::array<double, 3> least_{};
+  double size_ = 0, diagonal_ = 0;
+};
+
+std::array<double, 3> position(const CellList &mesh, std::size_t vertex) {
+  const double *p = &mesh.coordinates[3 * vertex];
+  return {p[0], p[1], p[2]};
+}
+
+/// The place of each vertex on the curve.
+std::vector<std::uint64_t> curve_places(const CellList &mesh, const Curve &curve) {
+  std::vector<std::uint64_t> places(mesh.coordinates.size() / 3);
+  for (std::size_t v = 0; v < places.size(); ++v) places[v] = curve.place(position(mesh, v));
   return places;
+}
+
+bool is_near(const CellList &mesh, std::size_t a, std::size_t b, double distance) {
+  const std::array<double, 3> p = position(mesh, a), q = position(mesh, b);
+  return std::hypot(p[0] - q[0], p[1] - q[1], p[2] - q[2]) <= distance;
 }
 
 }  // namespace
 
 void order_along_curve(CellList &mesh) {
-  const std::vector<std::uint64_t> place = curve_places(mesh);
+  const std::vector<std::uint64_t> place = curve_places(mesh, Curve(mesh));
   std::vector<PetscInt> order(place.size()), number(place.size());
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(), [&](PetscInt a, PetscInt b) {
     return place[static_cast<std::size_t>(a)] < place[static_cast<std::size_t>(b)];
   });
-  std::vector<double> coordinates;
-  coordinates.reserve(mesh.coordinates.size());
-  for (std::size_t v = 0; v < order.size(); ++v) {
-    const auto old = mesh.coordinates.begin() + 3 * static_cast<std::ptrdiff_t>(order[v]);
-    coordinates.insert(coordinates.end(), old, old + 3);
+  for (std::size_t v = 0; v < order.size(); ++v)
     number[static_cast<std::size_t>(order[v])] = static_cast<PetscInt>(v);
-  }
-  mesh.coordinates.swap(coordinates);
+  renumber_vertices(mesh, number, mesh.vertices());
 
   const auto width = static_cast<std::size_t>(mesh.nodes_per_cell());
-  const auto corners = static_cast<std::size_t>(mesh.corners());
-  std::vector<std::pair<std::int64_t, std::size_t>> cells;  // by the sum of their corners' numbers
-  cells.reserve(mesh.cells.size() / width);
-  for (PetscInt &vertex : mesh.cells) vertex = number[static_cast<std::size_t>(vertex)];
+  std::vector<std::int64_t> sums;  // of the numbers of each cell's corners
+  sums.reserve(static_cast<std::size_t>(mesh.size()));
   for (std::size_t c = 0; c < mesh.cells.size(); c += width) {
-    std::int64_t sum = 0;
-    for (std::size_t a = 0; a < corners; ++a) sum += mesh.cells[c + a];
-    cells.emplace_back(sum, c);
+    const auto corner = mesh.cells.begin() + static_cast<std::ptrdiff_t>(c);
+    sums.push_back(std::accumulate(corner, corner + mesh.corners(), std::int64_t{0}));
   }
-  std::stable_sort(cells.begin(), cells.end(),
-                   [](const auto &a, const auto &b) { return a.first < b.first; });
-  std::vector<PetscInt> sorted, groups;
-  sorted.reserve(mesh.cells.size());
-  for (const auto &entry : cells) {
-    const auto cell = mesh.cells.begin() + static_cast<std::ptrdiff_t>(entry.second);
-    if (!mesh.groups.empty()) groups.push_back(mesh.groups[entry.second / width]);
-    sorted.insert(sorted.end(), cell, cell + static_cast<std::ptrdiff_t>(width));
+  std::vector<PetscInt> cells(sums.size());
+  std::iota(cells.begin(), cells.end(), 0);
+  std::stable_sort(cells.begin(), cells.end(), [&](PetscInt a, PetscInt b) {
+    return sums[static_cast<std::size_t>(a)] < sums[static_cast<std::size_t>(b)];
+  });
+  keep_cells(mesh, cells);
+}
+
+PetscInt coincident_vertices(const CellList &mesh) {
+  constexpr double tolerance = 1e-9;
+  const Curve curve(mesh);
+  const std::vector<std::uint64_t> places = curve_places(mesh, curve);
+  const double distance = tolerance * curve.diagonal();
+  const auto moved = [&](std::size_t vertex, int octant) {
+    std::array<double, 3> point = position(mesh, vertex);
+    for (std::size_t i = 0; i < 3; ++i) point[i] += octant >> i & 1 ? distance : -distance;
+    return curve.place(point);
+  };
+  const auto one_before_is_at = [&](std::uint64_t place, std::size_t v) {
+    auto u = static_cast<std::size_t>(std::lower_bound(places.begin(), places.end(), place) -
+                                      places.begin());
+    while (u < v && places[u] == place && !is_near(mesh, u, v, distance)) ++u;
+    return u < v && places[u] == place;
+  };
+  PetscInt count = 0;
+  for (std::size_t v = 0; v < places.size(); ++v) {
+    std::set<std::uint64_t> near{places[v]};
+    // Few vertices are so near to the border of a cell of the curve's grid that others, as near,
+    // are at another place on it.
+    if (moved(v, 0) != places[v] || moved(v, 7) != places[v]) {
+      for (int octant = 0; octant < 8; ++octant) near.insert(moved(v, octant));
+    }
+    count += std::any_of(near.begin(), near.end(),
+                         [&](std::uint64_t place) { return one_before_is_at(place, v); });
   }
-  mesh.cells.swap(sorted);
-  mesh.groups.swap(groups);
+  return count;
 }
 
 }  // namespace trefoil

@@ -9,4 +9,8 @@ namespace trefoil {
 /// same.
 void order_along_curve(CellList &mesh);
 
+/// How many vertices of a mesh that is ordered along the curve lie where one before them does,
+/// within 1e-9 of the diagonal of the box.
+PetscInt coincident_vertices(const CellList &mesh);
+
 }  // namespace trefoil

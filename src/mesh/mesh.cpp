@@ -11,9 +11,13 @@ Mesh::~Mesh() {
 }
 
 double Mesh::bytes() const {
-  return static_cast<double>((cells.capacity() + global_vertex.capacity()) * sizeof(PetscInt) +
-                             coordinates.capacity() * sizeof(double) + owned.capacity() +
-                             groups.capacity() * sizeof(PetscInt));
+  std::size_t numbers = cells.capacity() + global_vertex.capacity() + vertex_number.capacity() +
+                        cell_number.capacity() + part.capacity() + groups.set_of_cell.capacity();
+  for (const GroupedEntities &entities : groups.below) {
+    numbers += entities.vertices.capacity() + entities.sets.capacity();
+  }
+  return static_cast<double>(numbers * sizeof(PetscInt) + coordinates.capacity() * sizeof(double) +
+                             owned.capacity());
 }
 
 std::array<double, 3> centroid_of_cell(const Mesh &mesh, std::size_t cell) {

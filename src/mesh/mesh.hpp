@@ -3,7 +3,6 @@
 #include <petscdmplex.h>
 
 #include <array>
-#include <map>
 #include <string>
 #include <vector>
 
@@ -31,12 +30,16 @@ struct Mesh {
   std::vector<double> coordinates;         ///< local vertices (ghosts included) x 3, rest positions
   std::vector<PetscInt> global_vertex;     ///< of each local vertex; ranks own consecutive ranges
   std::vector<char> owned;                 ///< of each local vertex: this rank owns it
-  std::vector<PetscInt> groups;  ///< of each local cell, see CellList; empty: the mesh has none
-  std::map<std::string, PetscInt> group_names;
+  Groups groups;  ///< of local cells and vertices, counts of the whole mesh
+  /// Of each local vertex and cell, where it came in the mesh file (see CellList).
+  std::vector<PetscInt> vertex_number, cell_number;
+  PetscInt file_vertices = 0;  ///< vertices of the file: others have higher numbers
+  std::vector<PetscInt> part;  ///< of each local vertex: the unconnected part it is in
   std::array<double, 3> box_min{}, box_max{};  ///< of the whole mesh
 
   PetscInt total_cells = 0, total_vertices = 0;
   PetscInt total_corners = 0;  ///< vertices that are no midpoints of edges
+  PetscInt parts = 1;          ///< that hang together by no vertex
   PetscInt edge_cut = 0;       ///< faces between cells of different ranks
   double imbalance = 1;        ///< largest part over the mean part, in cells
 
@@ -74,6 +77,7 @@ PetscErrorCode partition_cells(MPI_Comm comm, const CellList &whole, const CellS
 /// Sends each rank its cells and builds the distributed DMPlex from them: partitioned before it is
 /// made, and never interpolated, which is 10 to 40 times cheaper than the other way round.
 /// Then refines linear cells uniformly `refine` times (8 tetrahedra or 4 triangles from one).
+/// Groups and the file's numbers go along.
 /// Collective; `whole` matters on the first rank only.
 PetscErrorCode distribute_mesh(MPI_Comm comm, const CellList &whole, const std::string &partitioner,
                                PetscInt refine, Mesh *mesh);

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <sstream>
 
+#include "mesh/group_members.hpp"
 #include "scene/expression.hpp"
 #include "support/collective_error.hpp"
 #include "support/petsc_compatibility.hpp"
@@ -13,28 +13,14 @@
 namespace trefoil {
 namespace {
 
-/// The number of a group that the user gives by name or by number. Throws InputError.
-PetscInt find_group(const Mesh &mesh, const RegionOptions &region) {
-  const std::string &text = region.group;
-  const auto named = mesh.group_names.find(text);
-  if (named != mesh.group_names.end()) return named->second;
-  PetscInt number = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error == std::errc{} && end == text.data() + text.size()) return number;
-  std::string list;
-  for (const auto &[name, value] : mesh.group_names) list += (list.empty() ? "" : ", ") + name;
-  throw InputError("-region_" + region.name + "_group: the mesh has no physical group '" + text +
-                   "'; " + (list.empty() ? "it names none" : "it names: " + list));
-}
-
 /// Which local cells a region takes. Throws InputError.
 std::vector<char> cells_of(const Mesh &mesh, const RegionOptions &region) {
   const auto cells = static_cast<std::size_t>(mesh.local_cells());
   std::vector<char> taken(cells, 0);
   if (!region.group.empty()) {
-    const PetscInt group = find_group(mesh, region);
-    for (std::size_t c = 0; c < mesh.groups.size(); ++c) taken[c] = mesh.groups[c] == group;
-    return taken;
+    const int dimension = mesh.dimension();
+    return cells_of_group(mesh, find_group(mesh.groups, region.group, {&dimension, 1},
+                                           "-region_" + region.name + "_group"));
   }
   const std::string option = "-region_" + region.name + "_where";
   const Expression where(region.where, option, mesh.box_min, mesh.box_max);

@@ -58,13 +58,11 @@ PetscErrorCode null_space_dimension(double *G, int *dimension) {
 
 PetscErrorCode check_rigid_body_modes(const Mesh &mesh, const HeldDofs &held) {
   const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(mesh.dm));
-  std::vector<PetscInt> part;
-  PetscInt parts = 0;
+  const PetscInt parts = mesh.parts;
   double size = 0;
   PetscFunctionBeginUser;
-  PetscCall(connected_components(mesh, &part, &parts));
   for (std::size_t i = 0; i < 3; ++i) size = std::max(size, mesh.box_max[i] - mesh.box_min[i]);
-  std::vector<double> gram = gram_matrices(mesh, held, part, parts, size);
+  std::vector<double> gram = gram_matrices(mesh, held, mesh.part, parts, size);
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, gram.data(), static_cast<PetscMPIInt>(gram.size()),
                              MPI_DOUBLE, MPI_SUM, comm));
   PetscInt loose_parts = 0;

@@ -2,17 +2,11 @@
 
 #include <petsctime.h>
 
-#include <cmath>
-
-#include "mesh/check_mesh.hpp"
-#include "mesh/generate.hpp"
-#include "mesh/io/read_mesh.hpp"
-#include "mesh/locality.hpp"
-#include "mesh/quadratic.hpp"
+#include "mesh/io/load_mesh.hpp"
+#include "scene/bent_cells_check.hpp"
 #include "scene/constraints.hpp"
 #include "scene/loads.hpp"
 #include "scene/regions.hpp"
-#include "support/collective_error.hpp"
 #include "support/petsc_compatibility.hpp"
 #include "term/dead_load_term.hpp"
 #include "term/elastic_term.hpp"
@@ -20,89 +14,15 @@
 namespace trefoil {
 namespace {
 
-std::string mesh_name(const SceneOptions &options) {
-  return options.mesh_file.empty() ? "generated " + options.generate : options.mesh_file;
-}
-
-/// Refines, as the distributed mesh can where its cells are linear, and adds midpoints of edges.
-void make_quadratic(const SceneOptions &options, CellList &whole) {
-  const PetscInt refine = options.mesh_file.empty() ? 0 : options.refine;
-  for (PetscInt level = 0; level < refine && !is_quadratic(*whole.shape); ++level) {
-    if (8. * whole.shape->children * static_cast<double>(whole.cells.size()) > PETSC_MAX_INT)
-      throw InputError("-mesh_refine " + std::to_string(refine) +
-                       " would make more cells than can be numbered; refine less");
-    refine_uniformly(whole);
-  }
-  promote_to_quadratic(whole);
-}
-
-/// The whole mesh, on the first rank, ready to be distributed. Throws InputError.
-CellList prepare_mesh(const SceneOptions &options, PetscInt *unused, PetscInt *dropped) {
-  CellList whole = options.mesh_file.empty()
-                       ? generate_mesh(options.generate, options.resolution, options.refine)
-                       : read_mesh(options.mesh_file);
-  if (options.order == 1) drop_midpoints(whole);
-  const Repair repair = options.repair == "drop" ? Repair::drop : Repair::none;
-  *dropped = repair_rest_shape(whole, repair, mesh_name(options));
-  check_curved_cells(whole, mesh_name(options));
-  *unused = drop_unused_vertices(whole);
-  if (options.order == 2) make_quadratic(options, whole);
-  if (options.normalize) normalize(whole);
-  order_along_curve(whole);
-  return whole;
-}
-
-/// Refuses what PetscInt cannot number: each refinement cuts a tetrahedron into eight.
-PetscErrorCode check_refined_size(MPI_Comm comm, const CellList &whole, PetscInt refine) {
-  PetscInt shape[2] = {whole.size(), whole.shape->order};  // known on the first rank
-  PetscFunctionBeginUser;
-  PetscCallMPI(MPI_Bcast(shape, 2, MPIU_INT, 0, comm));
-  PetscCheck(shape[1] == 1 || refine == 0, comm, PETSC_ERR_USER_INPUT,
-             "-mesh_refine works on linear cells, and the mesh's are quadratic; refine it in the "
-             "mesher, or give -order 1");
-  const double entries = 4. * shape[0] * std::pow(8., refine);
-  PetscCheck(entries < PETSC_MAX_INT, comm, PETSC_ERR_USER_INPUT,
-             "-mesh_refine %" PetscInt_FMT " would make more than %.1g tetrahedra; refine less",
-             refine, PETSC_MAX_INT / 4.);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode load_mesh(MPI_Comm comm, const SceneOptions &options, Mesh *mesh) {
-  PetscMPIInt rank = 0, ranks = 0;
-  PetscInt unused = 0, dropped = 0;
-  CellList whole;
-  std::string complaint;
-  PetscFunctionBeginUser;
-  PetscCallMPI(MPI_Comm_rank(comm, &rank));
-  PetscCallMPI(MPI_Comm_size(comm, &ranks));
-  if (rank == 0) {
-    complaint = complaint_of([&] { whole = prepare_mesh(options, &unused, &dropped); });
-  }
-  PetscCall(agree_on_complaint(comm, complaint));
-  if (dropped) {
-    PetscCall(PetscPrintf(comm, "dropped %" PetscInt_FMT " %s without positive volume\n", dropped,
-                          whole.shape->plural));
-  }
-  if (unused) {
-    PetscCall(PetscPrintf(comm, "dropped %" PetscInt_FMT " vertices that no %s uses\n", unused,
-                          whole.shape->singular));
-  }
-  // A generated mesh was refined where it was generated, true to its curved boundary.
-  // So was one that was made quadratic.
-  const PetscInt refine = options.mesh_file.empty() || options.order == 2 ? 0 : options.refine;
-  PetscCall(check_refined_size(comm, whole, refine));
-  PetscCall(distribute_mesh(comm, whole, options.partitioner, refine, mesh));
-  const bool quadratic = is_quadratic(*mesh->shape);
-  PetscCall(PetscPrintf(comm, "mesh: %s, %" PetscInt_FMT " %s, %" PetscInt_FMT " %s%s",
-                        mesh_name(options).c_str(), mesh->total_vertices,
-                        quadratic ? "nodes" : "vertices", mesh->total_cells,
-                        quadratic ? "quadratic " : "", mesh->shape->plural));
-  if (ranks > 1) {
-    PetscCall(PetscPrintf(comm, " on %d ranks, edge cut %" PetscInt_FMT ", imbalance %.3f", ranks,
-                          mesh->edge_cut, mesh->imbalance));
-  }
-  PetscCall(PetscPrintf(comm, "\n"));
-  PetscFunctionReturn(PETSC_SUCCESS);
+MeshOptions mesh_options(const SceneOptions &options) {
+  return {.file = options.mesh_file,
+          .generate = options.generate,
+          .resolution = options.resolution,
+          .refine = options.refine,
+          .order = options.order,
+          .normalize = options.normalize,
+          .drops_bad_cells = options.repair == "drop",
+          .partitioner = options.partitioner};
 }
 
 /// The elastic term of the materials that the options name.
@@ -153,7 +73,10 @@ PetscErrorCode build_scene(MPI_Comm comm, const SceneOptions &options, Scene *sc
   PetscFunctionBeginUser;
   scene->options = options;
   PetscCall(PetscTime(&begin));
-  PetscCall(load_mesh(comm, options, &scene->mesh));
+  const MeshOptions mesh = mesh_options(options);
+  PetscCall(load_mesh(
+      comm, mesh, [&](const CellList &whole) { check_bent_cells(whole, mesh.name()); },
+      &scene->mesh));
   PetscCall(PetscTime(&loaded));
   PetscCall(hold_vertices(scene->mesh, options.constraints, 1, &held));
   PetscCall(check_rigid_body_modes(scene->mesh, held));

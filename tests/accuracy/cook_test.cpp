@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "body_problem.hpp"
+#include "element/bent_cells.hpp"
 #include "material/stable_neo_hookean.hpp"
 #include "mesh/generate.hpp"
 #include "mesh/quadratic.hpp"
@@ -232,7 +233,9 @@ TEST(AccuracyTorsionTest, RivlinsCylinder) {
     p[0] *= radius / r;
     p[1] *= radius / r;
   }
-  check_curved_cells(mesh, "the cylinder");
+  ASSERT_EQ(
+      first_bent_cell(reference_element(3, mesh.nodes_per_cell()), mesh.coordinates, mesh.cells),
+      -1);
   const double poisson = 0.4999, mu = 1, young = 2 * mu * (1 + poisson);
   const StableNeoHookean material({young, poisson}, StableNeoHookean::Lame::physical);
   const VectorField twisted = [&](const double *p) -> std::array<double, 3> {

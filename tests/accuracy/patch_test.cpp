@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "body_problem.hpp"
+#include "element/bent_cells.hpp"
 #include "material/stable_neo_hookean.hpp"
 #include "mesh/generate.hpp"
 #include "mesh/quadratic.hpp"
@@ -43,7 +44,9 @@ CellList distorted_mesh(const Element &element) {
   const std::size_t corners = mesh.coordinates.size() / 3;
   if (element.order == 2) promote_to_quadratic(mesh);
   if (element.bent) shift(corners, 0.03);
-  check_curved_cells(mesh, "distorted mesh");
+  EXPECT_EQ(first_bent_cell(reference_element(mesh.dimension(), mesh.nodes_per_cell()),
+                            mesh.coordinates, mesh.cells),
+            -1);
   return mesh;
 }
 

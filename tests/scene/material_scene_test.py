@@ -205,7 +205,7 @@ class Regions(unittest.TestCase):
                 self.assertLess(abs(energy(record) / energy(by_place) - 1), 1e-9)
             refused = run(scene + ["-region_stiff_group", "middle"])
             self.assertEqual(refused.returncode, 1)
-            self.assertIn("it names: lower half, upper", refused.stdout)
+            self.assertIn("it has: volume 5 'lower half', volume 6 'upper'", refused.stdout)
 
 
 if __name__ == "__main__":

@@ -8,6 +8,7 @@
 #include "mesh/check_mesh.hpp"
 #include "mesh/generate.hpp"
 #include "mesh/locality.hpp"
+#include "mesh/quadratic.hpp"
 
 namespace trefoil {
 namespace {
@@ -60,23 +61,77 @@ TEST(CheckMesh, DegenerateMeansFlatInProportionToTheLongestEdge) {
 TEST(CheckMesh, RefusalNamesCountsFirstAndTheWayOut) {
   EXPECT_EQ(refusal(mixed_mesh(), Repair::none),
             "horse.mesh: 2 tetrahedra are degenerate and 1 tetrahedron is of negative volume, the "
-            "first is tetrahedron 2; mend the mesh, or leave them out with -mesh_repair drop");
+            "first is tetrahedron 2 (tetrahedron 2 is tetrahedron 1 turned round); mend the mesh, "
+            "or leave "
+            "them out with -mesh_repair drop");
 }
 
 TEST(CheckMesh, DropKeepsTheRestInOrder) {
   CellList mesh = mixed_mesh();
-  EXPECT_EQ(repair_rest_shape(mesh, Repair::drop, "horse.mesh"), 3);
+  EXPECT_EQ(repair_rest_shape(mesh, Repair::drop, "horse.mesh").dropped, 3);
   EXPECT_EQ(mesh.cells, (std::vector<PetscInt>{0, 1, 2, 3, 1, 4, 2, 3}));
-  EXPECT_EQ(repair_rest_shape(mesh, Repair::none, "horse.mesh"), 0);
+  EXPECT_EQ(repair_rest_shape(mesh, Repair::none, "horse.mesh").dropped, 0);
 }
 
-TEST(CheckMesh, MeshTurnedRoundIsRefusedWithAHint) {
+TEST(CheckMesh, MeshTurnedRoundIsTurnedBack) {
+  CellList mesh = generate_mesh("box", 2, 0);
+  const CellList right = mesh;
+  const auto turned = [&] {
+    CellList other = right;
+    for (std::size_t c = 0; c < other.cells.size(); c += 4)
+      std::swap(other.cells[c + 1], other.cells[c + 2]);
+    return other;
+  };
+  mesh = turned();
+  const RepairReport report = repair_rest_shape(mesh, Repair::none, "box");
+  EXPECT_EQ(report.turned, 48);
+  EXPECT_EQ(report.dropped, 0);
+  EXPECT_EQ(mesh.cells, right.cells);
+  // Flat cells are neither way round.
+  mesh = turned();
+  mesh.cells.insert(mesh.cells.end(), {0, 1, 2, 3});
+  EXPECT_EQ(repair_rest_shape(mesh, Repair::drop, "box").turned, 48);
+  EXPECT_EQ(mesh.cells, right.cells);
+  // Quadratic ones are turned with their midpoints.
+  mesh = turned();
+  promote_to_quadratic(mesh);
+  EXPECT_EQ(repair_rest_shape(mesh, Repair::none, "box").turned, 48);
+  CellList quadratic = right;
+  promote_to_quadratic(quadratic);
+  EXPECT_EQ(mesh.cells, quadratic.cells);
+  // One of many is no mesh the other way round.
+  mesh = right;
+  std::swap(mesh.cells[0], mesh.cells[1]);
+  EXPECT_NE(refusal(mesh, Repair::none).find("1 tetrahedron is of negative volume"),
+            std::string::npos);
+}
+
+TEST(CheckMesh, NothingLeftIsRefused) {
   CellList mesh = mixed_mesh();
-  mesh.cells = {0, 2, 1, 3};
-  EXPECT_NE(refusal(mesh, Repair::none).find("the other way round"), std::string::npos);
+  mesh.cells = {0, 1, 2, 4};
   EXPECT_NE(refusal(mesh, Repair::drop).find("nothing is left"), std::string::npos);
   mesh.cells.clear();
   EXPECT_NE(refusal(mesh, Repair::drop).find("no tetrahedra"), std::string::npos);
+}
+
+/// What is left out inside of a body leaves a hole; a cell that has collapsed to a face leaves
+/// none.
+TEST(CheckMesh, HolesAreCounted) {
+  CellList mesh = generate_mesh("box", 3, 0);
+  std::swap(mesh.cells[4 * 80], mesh.cells[4 * 80 + 1]);  // in the middle cube
+  RepairReport report = repair_rest_shape(mesh, Repair::drop, "box");
+  EXPECT_EQ(report.dropped, 1);
+  EXPECT_EQ(report.opened, 4);
+  // In a corner of the cube, with two faces on its surface.
+  mesh = generate_mesh("box", 1, 0);
+  std::swap(mesh.cells[0], mesh.cells[1]);
+  EXPECT_EQ(repair_rest_shape(mesh, Repair::drop, "box").opened, 2);
+  // Two cells face to face, and between them one that has no volume and the face twice.
+  mesh.coordinates = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, -1};
+  mesh.cells = {0, 1, 2, 3, 0, 2, 1, 4, 0, 1, 2, 0};
+  report = repair_rest_shape(mesh, Repair::drop, "two");
+  EXPECT_EQ(report.dropped, 1);
+  EXPECT_EQ(report.opened, 0);
 }
 
 TEST(CheckMesh, DropsUnusedVertices) {
@@ -162,6 +217,27 @@ TEST(Locality, KeepsTheMeshAndBringsNeighboursTogether) {
   CellList again = ordered;
   order_along_curve(again);
   EXPECT_EQ(again.cells, ordered.cells);
+}
+
+/// Vertices of two bodies that are not one count once each, wherever the curve's grid cuts.
+TEST(Locality, CoincidentVerticesAreCounted) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  for (const double distance : {0., 3e-10, 1e-7}) {
+    CellList mesh = generate_mesh("box", 5, 0);
+    for (double &x : mesh.coordinates) x = x * 3 - 1;
+    const CellList once = mesh;
+    const PetscInt vertices = mesh.vertices();
+    mesh.cells.insert(mesh.cells.end(), once.cells.begin(), once.cells.end());
+    for (std::size_t k = once.cells.size(); k < mesh.cells.size(); ++k) mesh.cells[k] += vertices;
+    for (const double x : once.coordinates)
+      mesh.coordinates.push_back(x + distance * uniform(random));
+    order_along_curve(mesh);
+    EXPECT_EQ(coincident_vertices(mesh), distance < 1e-8 ? vertices : 0) << distance;
+  }
+  CellList alone = generate_mesh("knot", 1, 0);
+  order_along_curve(alone);
+  EXPECT_EQ(coincident_vertices(alone), 0);
 }
 
 }  // namespace

@@ -210,27 +210,31 @@ bool contains(const Cell &cell, const Point &p) {
 
 /// Every cell is a group of its own here, so that none can be taken for another.
 TEST_P(DistributeTest, GroupsStayWithTheirCells) {
-  for (PetscInt c = 0; c < whole_.size(); ++c) whole_.groups.push_back(c + 1);
-  whole_.group_names = {{"first one", 1}, {"second", 2}};
+  Groups &groups = whole_.groups;
+  for (PetscInt c = 0; c < whole_.size(); ++c)
+    groups.set_of_cell.push_back(groups.set_of(3, c + 1));
+  groups.name(0, "first one");
   order_along_curve(whole_);
   const std::vector<Cell> cells = cells_of(whole_.cells, whole_.coordinates);
   std::vector<Cell> cell_of_group(cells.size());
   for (std::size_t c = 0; c < cells.size(); ++c)
-    cell_of_group[static_cast<std::size_t>(whole_.groups[c]) - 1] = cells[c];
-  const std::map<std::string, PetscInt> names = whole_.group_names;
+    cell_of_group[static_cast<std::size_t>(groups.set_of_cell[c]) - 1] = cells[c];
   for (const PetscInt refine : {0, 1}) {
     Mesh mesh;
     ASSERT_EQ(distribute_mesh(PETSC_COMM_WORLD, rank_ == 0 ? whole_ : CellList{},
                               GetParam().partitioner, refine, &mesh),
               PETSC_SUCCESS);
-    EXPECT_EQ(mesh.group_names, names);
+    ASSERT_EQ(mesh.groups.list().size(), cells.size());
+    EXPECT_EQ(mesh.groups.list()[0].name, "first one");
+    EXPECT_EQ(mesh.groups.list()[3].number, 4);
+    EXPECT_EQ(mesh.groups.list()[3].count, refine ? 8 : 1);
     const std::vector<Cell> local = cells_of(mesh.cells, mesh.coordinates);
-    ASSERT_EQ(mesh.groups.size(), local.size());
+    ASSERT_EQ(mesh.groups.set_of_cell.size(), local.size());
     for (std::size_t c = 0; c < local.size(); ++c) {
       Point centre{};
       for (const Point &corner : local[c])
         for (std::size_t i = 0; i < 3; ++i) centre[i] += corner[i] / 4;
-      const auto group = static_cast<std::size_t>(mesh.groups[c]);
+      const auto group = static_cast<std::size_t>(mesh.groups.set_of_cell[c]);
       ASSERT_TRUE(contains(cell_of_group[group - 1], centre)) << refine << ' ' << c;
     }
   }
@@ -239,15 +243,17 @@ TEST_P(DistributeTest, GroupsStayWithTheirCells) {
 /// The curve's order is the same with groups and without, and takes them along.
 TEST(GroupTest, TheCurveTakesThemAlong) {
   CellList plain = generate_mesh("ball", 2, 0), grouped = plain;
-  for (PetscInt c = 0; c < plain.size(); ++c) grouped.groups.push_back(c);
+  for (PetscInt c = 0; c < plain.size(); ++c) grouped.groups.set_of_cell.push_back(c);
+  number_as_in_file(grouped);
   const std::vector<Cell> before = cells_of(plain.cells, plain.coordinates);
   order_along_curve(plain);
   order_along_curve(grouped);
   EXPECT_EQ(grouped.cells, plain.cells);
-  EXPECT_TRUE(plain.groups.empty());
+  EXPECT_TRUE(plain.groups.set_of_cell.empty());
+  EXPECT_EQ(grouped.cell_number, grouped.groups.set_of_cell);
   const std::vector<Cell> after = cells_of(grouped.cells, grouped.coordinates);
   for (std::size_t c = 0; c < after.size(); ++c)
-    ASSERT_TRUE(after[c] == before[static_cast<std::size_t>(grouped.groups[c])]) << c;
+    ASSERT_TRUE(after[c] == before[static_cast<std::size_t>(grouped.groups.set_of_cell[c])]) << c;
 }
 
 TEST(PartitionerTest, UnknownNamesAreErrorsOnAllRanks) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <random>
 
+#include "mesh/io/foreign_format.hpp"
 #include "mesh_writers.hpp"
 
 namespace trefoil::testing {
@@ -128,7 +129,28 @@ TEST(ReadMesh, RefusesWhatIsNoMeshFile) {
   expect_refused(" \n\n", {"Medit .mesh (ASCII) and Gmsh .msh 2.2 and 4.1"});
   expect_refused("\x7f\x45LF\x02\x01", {"Medit .mesh (ASCII) and Gmsh .msh 2.2 and 4.1"});
   expect_refused("solid cube\nfacet", {"Medit .mesh (ASCII) and Gmsh .msh 2.2 and 4.1"});
-  expect_refused(std::string("\1\0\0\0\3\0\0\0", 8), {".meshb", "ASCII"});
+  expect_refused(std::string("\1\0\0\0\3\0\0\0", 8), {".meshb", "meshio convert"});
+}
+
+/// Formats are known by their files' names, or by how they begin.
+TEST(ReadMesh, SaysHowOtherFormatsAreConverted) {
+  const auto advice = [](const std::string &path, const std::string &beginning = "") {
+    return advice_on_format(path, beginning);
+  };
+  const auto expect = [](const std::string &sentence, const std::vector<std::string> &parts) {
+    for (const std::string &part : parts)
+      EXPECT_NE(sentence.find(part), std::string::npos) << part << " is missing in: " << sentence;
+  };
+  expect(advice("parts/bracket.BDF"),
+         {"Nastran", "meshio convert bracket.BDF bracket.msh --output-format gmsh",
+          "gmsh bracket.BDF -save -o bracket.msh"});
+  expect(advice("a.inp"), {"Abaqus", "meshio convert a.inp a.msh"});
+  expect(advice("a.msh", "(1 \"meshio 5\")\n"), {"Fluent", "meshio convert a.msh a_gmsh.msh"});
+  expect(advice("a", "# vtk DataFile Version 5.1\n"), {"VTK", "meshio convert a a.msh"});
+  expect(advice("a.mesh", "<?xml version=\"1.0\"?>\n<VTKFile type="), {"VTK"});
+  expect(advice("a.stl"), {"surface", "tetrahedra"});
+  expect(advice("a.step"), {"gmsh -3 a.step -o a.msh"});
+  expect(advice("a.txt", "hello"), {"meshio convert", "gmsh -save"});
 }
 
 TEST(ReadMesh, RefusesBadMedit) {
@@ -219,6 +241,58 @@ TEST(ReadMesh, SecondOrderCellsOfGmsh) {
                      "6\n1 0 0 0\n2 2 0 0\n3 0 2 0\n4 1 0 0\n5 1 1 0\n6 0 1 0\n$EndNodes\n"
                      "$Elements\n2\n1 2 2 0 1 1 2 3\n2 9 2 0 1 1 2 3 4 5 6\n$EndElements\n",
                  {"first order", "second"});
+}
+
+/// MSH 2.2 with Mesh.SaveParametric: a node on a curve has its u, on a surface its u and v.
+TEST(ReadMesh, ParametricNodes) {
+  const TaggedMesh sample = two_tetrahedra();
+  for (const Encoding encoding : {Encoding::ascii, Encoding::binary}) {
+    Bytes nodes(encoding);
+    nodes.text("$ParametricNodes\n5\n");
+    for (int node = 0; node < 5; ++node) {
+      const int dimension = node % 4;
+      nodes.integer(node + 1);
+      for (int k = 0; k < 3; ++k)
+        nodes.real(sample.mesh.coordinates[static_cast<std::size_t>(3 * node + k)]);
+      nodes.integer(dimension).integer(17);
+      for (int k = 0; k < dimension % 3; ++k) nodes.real(0.5);
+      nodes.end_line();
+    }
+    nodes.text("\n$EndParametricNodes\n");
+    std::string contents = gmsh_2_2(sample, encoding);
+    const std::size_t begin = contents.find("$Nodes"), end = contents.find("$Elements");
+    expect_equal(read_contents(contents.replace(begin, end - begin, nodes.str())), sample.mesh);
+    // In version 4.1 a block says itself whether it has parameters.
+    contents = replaced(gmsh_4_1(sample, encoding), "$Nodes", "$ParametricNodes");
+    expect_equal(read_contents(replaced(contents, "$EndNodes", "$EndParametricNodes")),
+                 sample.mesh);
+  }
+}
+
+/// Elements of the body's dimension that are not read would be missing in it.
+TEST(ReadMesh, RefusesOtherCellsBesideTriangles) {
+  const std::string head =
+      "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n5\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n"
+      "5 2 0 0\n$EndNodes\n$Elements\n";
+  const std::string triangle = "1 2 2 0 1 2 5 3\n", end = "$EndElements\n";
+  const std::string quadrilateral = "2 3 2 0 1 1 2 3 4\n";
+  EXPECT_EQ(read_contents(head + "1\n" + triangle + end).size(), 1);
+  expect_refused(head + "2\n" + triangle + quadrilateral + end,
+                 {"quadrilaterals (1) beside 1 triangle", "Recombine"});
+  expect_refused(head + "2\n" + triangle + "2 21 2 0 1 1 2 3 4 5 1 2 3 4 5\n" + end,
+                 {"triangles of 10 nodes (1)"});
+  expect_refused(head + "1\n" + quadrilateral + end, {"no triangles", "quadrilaterals (1)"});
+  // On the surface of a volume mesh they are no cells.
+  EXPECT_EQ(read_contents(head + "2\n" + quadrilateral + "1 4 2 0 1 1 2 4 5\n" + end).size(), 1);
+  const std::string plane =
+      "MeshVersionFormatted 2\nDimension 2\nVertices 5\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n2 0 0\n";
+  for (const std::string section :
+       {"Quadrilaterals 1\n1 2 3 4 0\n", "TrianglesP2 1\n1 2 3 4 5 1\n"}) {
+    expect_refused(plane + section + "Triangles 1\n2 5 3 0\nEnd\n",
+                   {section.substr(0, section.find(' ')) + " (1) beside Triangles"});
+    expect_refused(plane + section + "End\n", {"(1), but only Triangles and Tetrahedra"});
+  }
+  EXPECT_EQ(read_contents(plane + "Quadrilaterals 0\nTriangles 1\n2 5 3 0\nEnd\n").size(), 1);
 }
 
 TEST(ReadMesh, PlaneMeditMeshes) {

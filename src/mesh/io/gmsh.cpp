@@ -7,70 +7,6 @@
 namespace trefoil {
 namespace {
 
-constexpr PetscInt no_vertex = -1;
-
-// Finds the vertex of a node tag. Tags are mostly numbered from 1 without gaps, so a table does;
-// where they are scattered, a sorted list takes its place.
-class VertexOfTag {
- public:
-  VertexOfTag(const MeshFile &file, const std::vector<std::int64_t> &tags) {
-    const auto [lowest, highest] = std::minmax_element(tags.begin(), tags.end());
-    first_tag_ = *lowest;
-    const std::uint64_t span = offset_of(*highest);
-    is_dense_ = span < 4 * tags.size() + 1024;
-    if (is_dense_)
-      fill_table(file, tags, span + 1);
-    else
-      fill_sorted_list(file, tags);
-  }
-
-  // no_vertex if the file does not define the node.
-  PetscInt operator()(std::int64_t tag) const {
-    if (is_dense_) {
-      const std::uint64_t offset = offset_of(tag);
-      return offset < table_.size() ? table_[offset] : no_vertex;
-    }
-    const auto found =
-        std::lower_bound(sorted_.begin(), sorted_.end(), std::pair{tag, PetscInt{0}});
-    return found != sorted_.end() && found->first == tag ? found->second : no_vertex;
-  }
-
- private:
-  // Unsigned, so that no tag overflows and tags below the first become huge.
-  [[nodiscard]] std::uint64_t offset_of(std::int64_t tag) const {
-    return static_cast<std::uint64_t>(tag) - static_cast<std::uint64_t>(first_tag_);
-  }
-
-  void fill_table(const MeshFile &file, const std::vector<std::int64_t> &tags, std::size_t size) {
-    table_.assign(size, no_vertex);
-    PetscInt vertex = 0;
-    for (const std::int64_t tag : tags) {
-      PetscInt &entry = table_[offset_of(tag)];
-      if (entry != no_vertex) fail_for_repeated(file, tag);
-      entry = vertex++;
-    }
-  }
-
-  void fill_sorted_list(const MeshFile &file, const std::vector<std::int64_t> &tags) {
-    sorted_.reserve(tags.size());
-    for (const std::int64_t tag : tags)
-      sorted_.emplace_back(tag, static_cast<PetscInt>(sorted_.size()));
-    std::sort(sorted_.begin(), sorted_.end());
-    for (std::size_t entry = 1; entry < sorted_.size(); ++entry)
-      if (sorted_[entry].first == sorted_[entry - 1].first)
-        fail_for_repeated(file, sorted_[entry].first);
-  }
-
-  [[noreturn]] static void fail_for_repeated(const MeshFile &file, std::int64_t tag) {
-    file.fail_as_a_whole("defines node " + std::to_string(tag) + " twice; save the mesh again");
-  }
-
-  bool is_dense_ = false;
-  std::int64_t first_tag_ = 0;
-  std::vector<PetscInt> table_;
-  std::vector<std::pair<std::int64_t, PetscInt>> sorted_;
-};
-
 enum class Version { v2_2, v4_1 };
 
 struct Format {
@@ -122,29 +58,44 @@ void skip_section(MeshFile &file, std::string_view section) {
               ", so the file is truncated; save the mesh again");
 }
 
-void read_section(GmshNumbers &numbers, Version version, const std::string &section,
-                  GmshContents &contents) {
-  const bool is_nodes = section == "$Nodes";
-  const bool has_cells = std::any_of(contents.cells.begin(), contents.cells.end(),
-                                     [](const GmshCells &cells) { return !cells.tags.empty(); });
-  if (is_nodes ? !contents.node_tags.empty() : has_cells)
-    numbers.file().fail("a second section " + section + "; save the mesh as one file, once");
-  if (numbers.is_binary()) numbers.file().end_line();
+void read_nodes(GmshNumbers &numbers, Version version, bool is_parametric, GmshContents &contents) {
+  if (!contents.node_tags.empty())
+    numbers.file().fail("a second section of nodes; save the mesh as one file, once");
   if (version == Version::v2_2)
-    is_nodes ? read_nodes_2_2(numbers, contents) : read_elements_2_2(numbers, contents);
+    read_nodes_2_2(numbers, is_parametric, contents);
   else
-    is_nodes ? read_nodes_4_1(numbers, contents) : read_elements_4_1(numbers, contents);
-  numbers.file().expect_word("$End" + section.substr(1));
+    read_nodes_4_1(numbers, contents);
 }
 
-void read_groups(GmshNumbers &numbers, const std::string &section, GmshGroups &groups) {
+void read_elements(GmshNumbers &numbers, Version version, GmshContents &contents) {
+  if (std::any_of(contents.elements.begin(), contents.elements.end(),
+                  [](const GmshElements &elements) { return !elements.tags.empty(); }))
+    numbers.file().fail("a second section $Elements; save the mesh as one file, once");
+  if (version == Version::v2_2)
+    read_elements_2_2(numbers, contents);
+  else
+    read_elements_4_1(numbers, contents);
+}
+
+// False where the section has nothing to say here.
+bool read_section(GmshNumbers &numbers, Version version, const std::string &section,
+                  GmshContents &contents) {
+  const bool has_entities = version == Version::v4_1;
   if (section == "$PhysicalNames") {
-    read_physical_names(numbers.file(), groups);
-  } else {
-    if (numbers.is_binary()) numbers.file().end_line();
-    read_entities_4_1(numbers, groups);
+    read_physical_names(numbers.file(), contents);
+    return true;
   }
-  numbers.file().expect_word("$End" + section.substr(1));
+  const bool is_parametric = section == "$ParametricNodes";
+  const bool is_nodes = section == "$Nodes" || is_parametric, is_elements = section == "$Elements";
+  const bool is_entities = has_entities && section == "$Entities";
+  const bool is_partitioned = has_entities && section == "$PartitionedEntities";
+  if (!is_nodes && !is_elements && !is_entities && !is_partitioned) return false;
+  if (numbers.is_binary()) numbers.file().end_line();
+  if (is_nodes) read_nodes(numbers, version, is_parametric, contents);
+  if (is_elements) read_elements(numbers, version, contents);
+  if (is_entities) read_entities_4_1(numbers, contents);
+  if (is_partitioned) read_partitioned_entities_4_1(numbers, contents);
+  return true;
 }
 
 GmshContents read_sections(MeshFile &file, const Format &format) {
@@ -154,68 +105,12 @@ GmshContents read_sections(MeshFile &file, const Format &format) {
     if (section.front() != '$' || section.size() < 2)
       file.fail("found " + quoted(section) +
                 " where a section should begin with $; save the mesh again");
-    if (section == "$Nodes" || section == "$Elements")
-      read_section(numbers, format.version, section, contents);
-    else if (section == "$PhysicalNames" ||
-             (section == "$Entities" && format.version == Version::v4_1))
-      read_groups(numbers, section, contents.groups);
+    if (read_section(numbers, format.version, section, contents))
+      file.expect_word("$End" + section.substr(1));
     else
       skip_section(file, section);
   }
   return contents;
-}
-
-// The cells that make the body: those of the highest dimension.
-GmshCells &body(const MeshFile &file, GmshContents &contents) {
-  GmshCells *found = nullptr;
-  for (GmshCells &each : contents.cells) {
-    if (each.tags.empty()) continue;
-    if (found && found->shape->dimension == each.shape->dimension)
-      file.fail_as_a_whole("has " +
-                           counted(static_cast<long long>(found->tags.size()), *found->shape) +
-                           " of first order beside " + std::to_string(each.tags.size()) +
-                           " of second; save it again with all of one order (gmsh -order 2)");
-    found = &each;
-  }
-  if (found) return *found;
-  file.fail_as_a_whole(
-      "has no tetrahedra (element type 4 or 11) and no triangles in $Elements; mesh the volume "
-      "(gmsh -3) and save all of it");
-}
-
-// Groups of the cells, where any has one, and the names of such groups.
-void number_groups(const GmshCells &cells, const GmshGroups &groups, CellList &mesh) {
-  if (std::any_of(cells.groups.begin(), cells.groups.end(),
-                  [](std::int64_t group) { return group != 0; }))
-    mesh.groups.assign(cells.groups.begin(), cells.groups.end());
-  for (const auto &[name, number] : groups.of_dimension[cells.shape->dimension])
-    mesh.group_names.emplace(name, static_cast<PetscInt>(number));
-}
-
-CellList number_vertices(const MeshFile &file, GmshContents contents) {
-  CellList mesh;
-  const GmshCells &cells = body(file, contents);
-  mesh.shape = cells.shape;
-  const auto width = static_cast<std::size_t>(mesh.nodes_per_cell());
-  file.check_numbering(static_cast<std::int64_t>(contents.node_tags.size()), 3, "nodes");
-  file.check_numbering(static_cast<std::int64_t>(cells.tags.size()), mesh.nodes_per_cell(),
-                       mesh.shape->plural);
-  mesh.coordinates = std::move(contents.coordinates);
-  mesh.cells.resize(cells.nodes.size());
-  std::vector<std::size_t> place(width);  // in our order, of each node in theirs
-  for (std::size_t k = 0; k < width; ++k)
-    place[static_cast<std::size_t>(mesh.shape->gmsh_order[k])] = k;
-  const VertexOfTag vertex_of_tag(file, contents.node_tags);
-  for (std::size_t entry = 0; entry < cells.nodes.size(); ++entry) {
-    const PetscInt vertex = vertex_of_tag(cells.nodes[entry]);
-    if (vertex == no_vertex)
-      file.fail_as_a_whole("element " + std::to_string(cells.tags[entry / width]) + " names node " +
-                           std::to_string(cells.nodes[entry]) +
-                           ", which $Nodes does not define; correct it or save the mesh again");
-    mesh.cells[entry - entry % width + place[entry % width]] = vertex;
-  }
-  number_groups(cells, contents.groups, mesh);
-  return mesh;
 }
 
 }  // namespace
@@ -231,7 +126,7 @@ CellList read_gmsh(MeshFile &file) {
   const Format format = read_format(file);
   GmshContents contents = read_sections(file, format);
   if (contents.node_tags.empty()) file.fail_as_a_whole("has no $Nodes; save the mesh again");
-  return number_vertices(file, std::move(contents));
+  return mesh_of(file, std::move(contents));
 }
 
 }  // namespace trefoil

@@ -1,4 +1,3 @@
-#include <cstdlib>
 #include <string>
 
 #include "mesh/io/gmsh.hpp"
@@ -16,22 +15,21 @@ std::int64_t read_count(GmshNumbers &numbers, const char *what) {
   return count;
 }
 
-// What follows an element's tag: its physical group and the like, and its nodes.
+// What follows an element's tag: its physical group, which comes first, and the like, and its
+// nodes.
 void read_element(GmshNumbers &numbers, std::int64_t tag, std::int64_t type, int nodes,
                   std::int64_t labels, GmshContents &contents) {
-  std::int64_t group = 0;  // the first label
+  PetscInt group = 0;
   for (std::int64_t label = 0; label < labels; ++label) {
     const std::int64_t number = numbers.integer("a tag of an element");
-    if (label == 0) group = std::abs(number);
+    if (label == 0) group = checked_group(numbers.file(), number);
   }
-  GmshCells *cells = contents.of_type(type);
-  if (cells) {
-    cells->tags.push_back(tag);
-    cells->groups.push_back(group);
-  }
+  const PetscInt set = group == 0 ? 0 : contents.groups.set_of(dimension_of_element(type), group);
+  GmshElements *elements = contents.place_for(type, set);
+  if (elements) elements->add(tag, set);
   for (int node = 0; node < nodes; ++node) {
     const std::int64_t node_tag = numbers.integer("a node of an element");
-    if (cells) cells->nodes.push_back(node_tag);
+    if (elements) elements->nodes.push_back(node_tag);
   }
 }
 
@@ -63,9 +61,19 @@ std::int64_t read_text_element(GmshNumbers &numbers, GmshContents &contents) {
   return 1;
 }
 
+// Behind a node of $ParametricNodes: the entity that it lies on, and where on a curve or a surface.
+void skip_parameters(GmshNumbers &numbers) {
+  const std::int64_t dimension = numbers.integer("the dimension of a node's entity");
+  if (dimension < 0 || dimension > 3)
+    numbers.file().fail("an entity has dimension " + std::to_string(dimension) +
+                        ", which is not 0 to 3; save the mesh again");
+  numbers.integer("the tag of a node's entity");
+  for (std::int64_t k = 0; k < dimension % 3; ++k) numbers.real("a parameter of a node");
+}
+
 }  // namespace
 
-void read_nodes_2_2(GmshNumbers &numbers, GmshContents &contents) {
+void read_nodes_2_2(GmshNumbers &numbers, bool is_parametric, GmshContents &contents) {
   const std::int64_t count =
       numbers.checked_count(read_count(numbers, "the number of nodes"), 4, bytes_of_node, "nodes");
   contents.node_tags.reserve(static_cast<std::size_t>(count));
@@ -75,6 +83,7 @@ void read_nodes_2_2(GmshNumbers &numbers, GmshContents &contents) {
     contents.node_tags.push_back(tag);
     for (int component = 0; component < 3; ++component)
       contents.coordinates.push_back(read_coordinate(numbers, tag));
+    if (is_parametric) skip_parameters(numbers);
   }
 }
 

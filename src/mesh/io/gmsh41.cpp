@@ -66,23 +66,20 @@ std::int64_t read_node_block(GmshNumbers &numbers, GmshContents &contents) {
 std::int64_t read_element_block(GmshNumbers &numbers, GmshContents &contents) {
   const std::int64_t dimension = numbers.integer("the dimension of an entity");
   const std::int64_t entity = numbers.integer("the tag of an entity");
-  const auto found = contents.groups.of_entity.find({dimension, entity});
-  const std::int64_t group = found == contents.groups.of_entity.end() ? 0 : found->second;
+  const auto found = contents.set_of_entity.find({dimension, entity});
+  const PetscInt set = found == contents.set_of_entity.end() ? 0 : found->second;
   const std::int64_t type = numbers.integer("an element type");
   const int nodes = nodes_of_element(numbers.file(), type);
   const auto width = static_cast<std::size_t>(1 + nodes);
   const std::int64_t count = numbers.checked_count(
       numbers.size("the number of elements in a block"), width, width * bytes_of_tag, "elements");
-  GmshCells *cells = contents.of_type(type);
   for (std::int64_t element = 0; element < count; ++element) {
     const std::int64_t tag = numbers.size("an element tag");
-    if (cells) {
-      cells->tags.push_back(tag);
-      cells->groups.push_back(group);
-    }
+    GmshElements *elements = contents.place_for(type, set);
+    if (elements) elements->add(tag, set);
     for (int node = 0; node < nodes; ++node) {
       const std::int64_t node_tag = numbers.size("a node of an element");
-      if (cells) cells->nodes.push_back(node_tag);
+      if (elements) elements->nodes.push_back(node_tag);
     }
   }
   return count;

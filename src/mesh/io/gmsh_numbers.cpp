@@ -8,7 +8,8 @@ namespace {
 
 struct ElementType {
   std::int64_t type;
-  int nodes;
+  int dimension, nodes;
+  const char *names;
 };
 
 struct VolumeType {
@@ -17,10 +18,27 @@ struct VolumeType {
 };
 
 // Points, lines, triangles and quadrilaterals of all orders, and tetrahedra of the first two.
-constexpr ElementType accepted_types[] = {{1, 2},   {2, 3},   {3, 4},   {4, 4},   {8, 3},  {9, 6},
-                                          {10, 9},  {11, 10}, {15, 1},  {16, 8},  {20, 9}, {21, 10},
-                                          {22, 12}, {23, 15}, {24, 15}, {25, 21}, {26, 4}, {27, 5},
-                                          {28, 6},  {36, 16}, {37, 25}};
+constexpr ElementType accepted_types[] = {{1, 1, 2, "lines"},
+                                          {2, 2, 3, "triangles"},
+                                          {3, 2, 4, "quadrilaterals"},
+                                          {4, 3, 4, "tetrahedra"},
+                                          {8, 1, 3, "lines of 3 nodes"},
+                                          {9, 2, 6, "triangles of 6 nodes"},
+                                          {10, 2, 9, "quadrilaterals of 9 nodes"},
+                                          {11, 3, 10, "tetrahedra of 10 nodes"},
+                                          {15, 0, 1, "points"},
+                                          {16, 2, 8, "quadrilaterals of 8 nodes"},
+                                          {20, 2, 9, "triangles of 9 nodes"},
+                                          {21, 2, 10, "triangles of 10 nodes"},
+                                          {22, 2, 12, "triangles of 12 nodes"},
+                                          {23, 2, 15, "triangles of 15 nodes"},
+                                          {24, 2, 15, "triangles of 15 nodes"},
+                                          {25, 2, 21, "triangles of 21 nodes"},
+                                          {26, 1, 4, "lines of 4 nodes"},
+                                          {27, 1, 5, "lines of 5 nodes"},
+                                          {28, 1, 6, "lines of 6 nodes"},
+                                          {36, 2, 16, "quadrilaterals of 16 nodes"},
+                                          {37, 2, 25, "quadrilaterals of 25 nodes"}};
 
 constexpr VolumeType refused_types[] = {{5, "a hexahedron"},
                                         {6, "a prism"},
@@ -38,11 +56,24 @@ constexpr VolumeType curved_tetrahedra[] = {{29, "a cubic tetrahedron of 20 node
                                             {30, "a fourth-order tetrahedron of 35 nodes"},
                                             {31, "a fifth-order tetrahedron of 56 nodes"}};
 
+const ElementType *find_type(std::int64_t type) {
+  for (const ElementType &accepted : accepted_types)
+    if (accepted.type == type) return &accepted;
+  return nullptr;
+}
+
 }  // namespace
 
+int dimension_of_element(std::int64_t type) {
+  return find_type(type)->dimension;
+}
+
+std::string name_of_elements(std::int64_t type) {
+  return find_type(type)->names;
+}
+
 int nodes_of_element(const MeshFile &file, std::int64_t type) {
-  for (const ElementType &accepted : accepted_types)
-    if (accepted.type == type) return accepted.nodes;
+  if (const ElementType *accepted = find_type(type)) return accepted->nodes;
   const std::string number = "element type " + std::to_string(type);
   for (const VolumeType &curved : curved_tetrahedra)
     if (curved.type == type)

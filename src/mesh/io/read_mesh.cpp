@@ -1,5 +1,8 @@
 #include "mesh/io/read_mesh.hpp"
 
+#include <filesystem>
+
+#include "mesh/io/foreign_format.hpp"
 #include "mesh/io/gmsh.hpp"
 #include "mesh/io/medit.hpp"
 #include "mesh/io/mesh_file.hpp"
@@ -13,19 +16,25 @@ bool is_binary_medit(const MeshFile &file) {
   return file.rest().starts_with("\1\0\0\0"sv) || file.rest().starts_with("\0\0\0\1"sv);
 }
 
+// "convert body.meshb body.mesh"
+std::string ascii_copy(const std::string &path) {
+  const std::filesystem::path from(path);
+  return "convert " + from.filename().string() + " " + from.stem().string() + ".mesh";
+}
+
 }  // namespace
 
 CellList read_mesh(const std::string &path) {
   MeshFile file(path);
+  const std::string_view beginning = file.rest();
   if (is_binary_medit(file))
-    file.fail_as_a_whole("is a binary Medit file (.meshb), which is not read; save it as ASCII");
+    file.fail_as_a_whole("is a binary Medit file (.meshb), which is not read; convert it: meshio " +
+                         ascii_copy(path) + ", or save it as ASCII");
   if (file.peek_word().starts_with('$')) return read_gmsh(file);
 
   file.treat_as_comment('#');
   if (file.peek_word() == "MeshVersionFormatted") return read_medit(file);
-  file.fail_as_a_whole(
-      "is not in a format that is read, which are Medit .mesh (ASCII) and Gmsh .msh 2.2 and 4.1; "
-      "convert the mesh to one of them");
+  file.fail_as_a_whole(advice_on_format(path, beginning));
 }
 
 }  // namespace trefoil
