@@ -47,47 +47,65 @@ BlockProperties properties_of(PetscInt n, const PetscScalar *H) {
 
 }  // namespace
 
-InsertionCounts &InsertionCounts::operator+=(const InsertionCounts &more) {
-  elements += more.elements;
-  indefinite += more.indefinite;
-  rectangular += more.rectangular;
-  partial += more.partial;
-  nonsymmetric += more.nonsymmetric;
-  saddle += more.saddle;
-  not_finite += more.not_finite;
-  too_large += more.too_large;
-  return *this;
+/// Numbers of single rows from those of blocks.
+static void expand(PetscInt n, const PetscInt *blocks, PetscInt block_size,
+                   std::vector<PetscInt> *index) {
+  index->resize(static_cast<std::size_t>(n * block_size));
+  for (PetscInt i = 0; i < n * block_size; ++i) {
+    const PetscInt block = blocks[i / block_size];
+    (*index)[static_cast<std::size_t>(i)] = block < 0 ? -1 : block_size * block + i % block_size;
+  }
 }
 
 PetscErrorCode ElementHook::watch(PetscInt m, const PetscInt *rows, PetscInt n,
                                   const PetscInt *columns, const PetscScalar *values,
                                   InsertMode mode, PetscInt block_size) {
   PetscFunctionBegin;
-  // Preallocation inserts zeros or nothing; boundary conditions insert or add single numbers.
-  if (!active_ || mode != ADD_VALUES || !values || (m * block_size == 1 && n * block_size == 1)) {
+  if (!active_ || !values) PetscFunctionReturn(PETSC_SUCCESS);
+  if (block_size > 1) {
+    const bool same = rows == columns;
+    expand(m, rows, block_size, &index_);
+    if (!same) expand(n, columns, block_size, &columns_);
+    rows = index_.data();
+    columns = same ? rows : columns_.data();
+    m *= block_size;
+    n *= block_size;
+  }
+  if (mode != ADD_VALUES) {
+    // Preallocation inserts zeros; boundary conditions insert numbers on the diagonal.
+    if (m == 1 && n == 1 && rows[0] == columns[0] && values[0] != 0) seen_.exclude(rows[0]);
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  if (m != n) {
+  if (m == 1 && n == 1) {
+    PetscCall(take_single(rows[0], columns[0], values[0]));
+  } else if (m == n && (rows == columns || std::equal(rows, rows + m, columns))) {
+    PetscCall(take_element(n, rows, values));
+  } else {
     ++counts_.rectangular;
-    counts_.partial += m > 1 && std::all_of(rows, rows + m, [&](PetscInt row) {
+    counts_.partial += m > 1 && m != n && std::all_of(rows, rows + m, [&](PetscInt row) {
                          return std::find(columns, columns + n, row) != columns + n;
                        });
-    PetscFunctionReturn(PETSC_SUCCESS);
+    seen_.add(m, rows, n, columns, values);
   }
-  if (rows != columns && !std::equal(rows, rows + m, columns)) {
-    ++counts_.rectangular;
-    PetscFunctionReturn(PETSC_SUCCESS);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// A number on the diagonal is an element of one unknown: a spring to the ground, or what boundary
+/// conditions add. One beside it is a part of an element that is added number by number.
+PetscErrorCode ElementHook::take_single(PetscInt row, PetscInt column, PetscScalar value) {
+  const auto is_left_out = [this](PetscInt i) {
+    return i < 0 || (in_field_ && !(*in_field_)[static_cast<std::size_t>(i)]);
+  };
+  PetscFunctionBegin;
+  seen_.add(1, &row, 1, &column, &value);
+  if (value == 0 || is_left_out(row) || is_left_out(column)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (row != column) {
+    ++counts_.singles;
+  } else if (PetscRealPart(value) < 0) {
+    const double negative = -PetscRealPart(value);
+    ++counts_.negative_diagonals;
+    PetscCall(keep(1, &row, &negative));
   }
-  if (block_size == 1) {
-    PetscCall(take_element(n, rows, values));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  index_.resize(static_cast<std::size_t>(n * block_size));
-  for (PetscInt i = 0; i < n * block_size; ++i) {
-    const PetscInt block = rows[i / block_size];
-    index_[static_cast<std::size_t>(i)] = block < 0 ? -1 : block_size * block + i % block_size;
-  }
-  PetscCall(take_element(n * block_size, index_.data(), values));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -95,6 +113,7 @@ PetscErrorCode ElementHook::take_element(PetscInt n, const PetscInt *index,
                                          const PetscScalar *values) {
   PetscFunctionBegin;
   if (!active_) PetscFunctionReturn(PETSC_SUCCESS);
+  seen_.add(n, index, n, index, values);
   if (in_field_) {
     PetscCall(split_fields(n, index, values));
   } else {
@@ -140,8 +159,10 @@ PetscErrorCode ElementHook::split_all(PetscInt n, const PetscInt *index,
   const BlockProperties block = properties_of(n, values);
   counts_.not_finite += !block.finite;
   counts_.nonsymmetric += block.finite && !block.symmetric;
-  counts_.saddle += block.finite && block.symmetric && block.saddle;
-  if (!block.finite || !block.symmetric || block.saddle) PetscFunctionReturn(PETSC_SUCCESS);
+  const bool saddle = block.saddle || all_are_of_saddle_;
+  counts_.saddle += block.finite && block.symmetric && saddle;
+  if (!block.finite || !block.symmetric || saddle) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!pattern_is_known_) pattern_.add(n, values);
   PetscLogDouble begin = 0, end = 0;
   SplitResult result;
   PetscCall(PetscTime(&begin));
@@ -153,10 +174,15 @@ PetscErrorCode ElementHook::split_all(PetscInt n, const PetscInt *index,
   filter_seconds_ += end - begin;
   PetscCheck(result.status == SplitStatus::ok, PETSC_COMM_SELF, PETSC_ERR_LIB,
              "LAPACK found no eigenvalues of an element block");
+  double traces = 0;  // of H_e + N_e: the sum of the positive eigenvalues
   if (negative > 0) {
     ++counts_.indefinite;
+    for (PetscInt i = 0; i < n; ++i) traces += N_[static_cast<std::size_t>(n * i + i)];
     PetscCall(keep(n, index, N_.data()));
   }
+  const double rounding = 1e-14 * static_cast<double>(n) * traces;
+  for (PetscInt i = 0; i < n; ++i) traces += PetscRealPart(values[n * i + i]);
+  rising_ += traces > rounding;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -184,127 +210,72 @@ PetscErrorCode ElementHook::begin(Mat negative, const std::vector<char> *in_fiel
 
 PetscErrorCode ElementHook::end(Mat matrix, Mat *negative, InsertionCounts *total,
                                 double *filter_seconds) {
-  const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(matrix));
   PetscFunctionBegin;
   active_ = always_;
   *filter_seconds = filter_seconds_;
-  PetscInt64 counts[] = {counts_.elements,   counts_.indefinite,   counts_.rectangular,
-                         counts_.partial,    counts_.nonsymmetric, counts_.saddle,
-                         counts_.not_finite, counts_.too_large};
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, counts, 8, MPIU_INT64, MPI_SUM, comm));
-  *total = {counts[0], counts[1], counts[2], counts[3], counts[4], counts[5], counts[6], counts[7]};
-
-  if (total->indefinite > 0 && !*negative) PetscCall(duplicate_pattern(matrix, negative));
-  if (*negative) {
-    PetscCall(flush_stash(*negative));
-    PetscCall(zero_rows_of(*negative));
-    PetscCall(follow_pattern(matrix, negative));
+  PetscCall(find_saddle_pattern(matrix));
+  PetscCall(compare(matrix));
+  PetscCall(seen_.finish(matrix));
+  PetscCall(assemble_negative(matrix, false));
+  if (negative_) {
+    PetscCall(zero_rows_of(negative_));
+    PetscCall(follow_pattern(matrix, &negative_));
   }
+  *negative = negative_;
+  *total = counts_;
+  PetscCall(total->sum_over_ranks(PetscObjectComm(reinterpret_cast<PetscObject>(matrix))));
   forget();
   negative_ = nullptr;
   in_field_ = nullptr;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// Makes an empty N with the host's nonzero pattern, so that H + 2 w N can be a sum of arrays.
-PetscErrorCode ElementHook::duplicate_pattern(Mat matrix, Mat *negative) {
-  PetscBool upper_only = PETSC_FALSE;
+/// Whether the matrix, as it is now, is what was seen.
+PetscErrorCode ElementHook::compare(Mat matrix) {
+  PetscMPIInt rank = 0;
+  bool differs = false;
   PetscFunctionBegin;
-  PetscCall(MatDuplicate(matrix, MAT_DO_NOT_COPY_VALUES, negative));
-  // A host may widen its pattern from one callback to the next.
-  PetscCall(MatSetOption(*negative, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_FALSE));
-  PetscCall(PetscObjectTypeCompareAny(reinterpret_cast<PetscObject>(*negative), &upper_only,
-                                      MATSEQSBAIJ, MATMPISBAIJ, ""));
-  if (upper_only) PetscCall(MatSetOption(*negative, MAT_IGNORE_LOWER_TRIANGULAR, PETSC_TRUE));
-  // Types in parallel count changes of their pattern from the first assembly on.
-  PetscCall(MatAssemblyBegin(*negative, MAT_FINAL_ASSEMBLY));
-  PetscCall(MatAssemblyEnd(*negative, MAT_FINAL_ASSEMBLY));
-  PetscCall(PetscObjectGetId(reinterpret_cast<PetscObject>(*negative), &duplicate_));
-  PetscCall(MatGetNonzeroState(matrix, &pattern_of_matrix_));
-  PetscCall(MatGetNonzeroState(*negative, &pattern_of_negative_));
+  PetscCall(seen_.differs(matrix, &differs));
+  PetscCallMPI(MPI_Comm_rank(PetscObjectComm(reinterpret_cast<PetscObject>(matrix)), &rank));
+  counts_.changed += differs && rank == 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// Whether neither pattern has changed since N was duplicated. BAIJ in parallel does not say when
-/// it widens; but then it has more entries than N.
-PetscErrorCode ElementHook::has_pattern(Mat matrix, Mat negative, bool *same) {
-  PetscObjectId id = 0;
-  PetscObjectState of_matrix = 0, of_negative = 0;
-  MatInfo matrix_info, negative_info;
+/// The first Jacobian tells whether its elements are those of a saddle point; then nothing of it is
+/// filtered.
+PetscErrorCode ElementHook::find_saddle_pattern(Mat matrix) {
+  PetscInt64 blocks = 0;
+  PetscMPIInt rank = 0;
+  const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(matrix));
   PetscFunctionBegin;
-  PetscCall(PetscObjectGetId(reinterpret_cast<PetscObject>(negative), &id));
-  PetscCall(MatGetNonzeroState(matrix, &of_matrix));
-  PetscCall(MatGetNonzeroState(negative, &of_negative));
-  PetscCall(MatGetInfo(matrix, MAT_GLOBAL_SUM, &matrix_info));
-  PetscCall(MatGetInfo(negative, MAT_GLOBAL_SUM, &negative_info));
-  *same = id == duplicate_ && of_matrix == pattern_of_matrix_ &&
-          of_negative == pattern_of_negative_ && matrix_info.nz_used == negative_info.nz_used;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/// Moves N to the host's nonzero pattern where that has changed.
-PetscErrorCode ElementHook::follow_pattern(Mat matrix, Mat *negative) {
-  bool same = false;
-  PetscFunctionBegin;
-  PetscCall(has_pattern(matrix, *negative, &same));
-  if (same) PetscFunctionReturn(PETSC_SUCCESS);
-  Mat former = *negative;
-  PetscCall(duplicate_pattern(matrix, negative));
-  // Rows that were zeroed may have lost their entries.
-  PetscCall(MatSetOption(*negative, MAT_IGNORE_ZERO_ENTRIES, PETSC_TRUE));
-  PetscCall(MatAXPY(*negative, 1, former, SUBSET_NONZERO_PATTERN));
-  PetscCall(MatDestroy(&former));
-  PetscCall(has_pattern(matrix, *negative, &same));
-  PetscCheck(same, PetscObjectComm(reinterpret_cast<PetscObject>(matrix)), PETSC_ERR_SUP,
-             "the Jacobian has no room for the negative part of its elements: keep its nonzero "
-             "pattern whole (no MAT_IGNORE_ZERO_ENTRIES, and MAT_KEEP_NONZERO_PATTERN before "
-             "MatZeroRows())");
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode ElementHook::flush_stash(Mat negative) {
-  const PetscInt *index = stashed_indices_.data();
-  const double *values = stashed_values_.data();
-  PetscFunctionBegin;
-  for (const PetscInt n : stashed_sizes_) {
-    PetscCall(MatSetValues(negative, n, index, n, index, values, ADD_VALUES));
-    index += n;
-    values += n * n;
-  }
-  PetscCall(MatAssemblyBegin(negative, MAT_FINAL_ASSEMBLY));
-  PetscCall(MatAssemblyEnd(negative, MAT_FINAL_ASSEMBLY));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-void ElementHook::forget() {
-  stashed_sizes_ = {};
-  stashed_indices_ = {};
-  stashed_values_ = {};
-  counts_ = {};
-  filter_seconds_ = 0;
-  zeroed_.clear();
-}
-
-PetscErrorCode ElementHook::restart() {
-  PetscFunctionBegin;
-  if (!active_) PetscFunctionReturn(PETSC_SUCCESS);
-  forget();
+  if (pattern_is_known_) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(pattern_.count_saddle_blocks(comm, &blocks));
+  pattern_is_known_ = true;
+  pattern_ = {};
+  if (blocks == 0) PetscFunctionReturn(PETSC_SUCCESS);
+  all_are_of_saddle_ = true;
+  PetscCallMPI(MPI_Comm_rank(comm, &rank));
+  if (rank == 0) counts_.saddle += blocks;
+  counts_.indefinite = counts_.negative_diagonals = 0;
+  forget_stash();
   if (negative_) PetscCall(MatZeroEntries(negative_));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode ElementHook::zero_rows_of(Mat negative) {
-  PetscFunctionBegin;
-  for (const ZeroedRows &zeroed : zeroed_) {
-    const auto count = static_cast<PetscInt>(zeroed.rows.size());
-    if (zeroed.columns_too) {
-      PetscCall(MatZeroRowsColumns(negative, count, zeroed.rows.data(), 0, nullptr, nullptr));
-    } else {
-      PetscCall(MatSetOption(negative, MAT_KEEP_NONZERO_PATTERN, PETSC_TRUE));
-      PetscCall(MatZeroRows(negative, count, zeroed.rows.data(), 0, nullptr, nullptr));
-    }
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
+void ElementHook::forget_stash() {
+  stashed_sizes_ = {};
+  stashed_indices_ = {};
+  stashed_values_ = {};
+}
+
+void ElementHook::forget() {
+  forget_stash();
+  counts_ = {};
+  rising_ = 0;
+  filter_seconds_ = 0;
+  zeroed_.clear();
+  seen_.restart();
+  pattern_ = {};
 }
 
 }  // namespace trefoil

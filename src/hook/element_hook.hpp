@@ -6,25 +6,11 @@
 #include <vector>
 
 #include "filter/filter.hpp"
+#include "hook/insertion_counts.hpp"
+#include "hook/seen_sum.hpp"
+#include "hook/sign_pattern.hpp"
 
 namespace trefoil {
-
-/// What went into a hooked Mat during one Jacobian callback. Counts of this rank, then of all.
-struct InsertionCounts {
-  PetscInt64 elements = 0;      ///< element blocks: added, square, the same indices on both sides
-  PetscInt64 indefinite = 0;    ///< of these, with a negative eigenvalue
-  PetscInt64 rectangular = 0;   ///< added blocks with different numbers of rows and columns
-  PetscInt64 partial = 0;       ///< of the rectangular ones, with rows that are among the columns
-  PetscInt64 nonsymmetric = 0;  ///< element blocks that are not symmetric
-  PetscInt64 saddle = 0;        ///< element blocks with a zero on the diagonal of a non-zero row
-  PetscInt64 not_finite = 0;    ///< element blocks with NaN or Inf
-  PetscInt64 too_large = 0;     ///< element blocks larger than the filter takes
-
-  [[nodiscard]] PetscInt64 unfiltered() const {
-    return rectangular + nonsymmetric + saddle + not_finite + too_large;
-  }
-  InsertionCounts &operator+=(const InsertionCounts &more);
-};
 
 /// Records what a host adds to its Mat: every element block that is added while the hook is active
 /// is split, H_e goes on unchanged, and N_e is added to a second Mat of the same pattern. Works on
@@ -49,8 +35,22 @@ class ElementHook {
   /// pattern of `matrix`. Collective.
   PetscErrorCode end(Mat matrix, Mat *negative, InsertionCounts *total, double *filter_seconds);
 
-  /// The host has zeroed its Mat and begins anew. Collective.
+  // What a host may do to the whole Mat when its elements are in; each is called before it is done,
+  // is collective, and carries it to N.
+
+  /// The Mat is zeroed, and begins anew.
   PetscErrorCode restart();
+  /// It is multiplied by a number.
+  PetscErrorCode scale(Mat matrix, double factor);
+  /// Its rows and columns are multiplied by vectors, of which one may be null; take_as_seen() has
+  /// to follow when that is done.
+  PetscErrorCode scale_diagonally(Mat matrix, Vec left, Vec right);
+  /// A vector, or where that is null a number, is added to its diagonal.
+  PetscErrorCode add_to_diagonal(Mat matrix, Vec diagonal, double constant);
+  /// The Mat as it is now is what was seen.
+  PetscErrorCode take_as_seen(Mat matrix);
+  /// Rows are zeroed.
+  void note_zeroed(PetscInt count, const PetscInt *rows, bool columns_too);
 
   /// Splits one element block and keeps N_e. Not collective.
   PetscErrorCode take_element(PetscInt n, const PetscInt *index, const PetscScalar *values);
@@ -70,15 +70,20 @@ class ElementHook {
   friend struct Operations;
   PetscErrorCode watch(PetscInt m, const PetscInt *rows, PetscInt n, const PetscInt *columns,
                        const PetscScalar *values, InsertMode mode, PetscInt block_size);
+  PetscErrorCode take_single(PetscInt row, PetscInt column, PetscScalar value);
   PetscErrorCode split_all(PetscInt n, const PetscInt *index, const PetscScalar *values);
   PetscErrorCode split_fields(PetscInt n, const PetscInt *index, const PetscScalar *values);
   PetscErrorCode keep(PetscInt n, const PetscInt *index, const double *N);
   PetscErrorCode flush_stash(Mat negative);
+  PetscErrorCode assemble_negative(Mat matrix, bool needed);
+  PetscErrorCode compare(Mat matrix);
+  PetscErrorCode find_saddle_pattern(Mat matrix);
   PetscErrorCode zero_rows_of(Mat negative);
   PetscErrorCode duplicate_pattern(Mat matrix, Mat *negative);
   PetscErrorCode follow_pattern(Mat matrix, Mat *negative);
   PetscErrorCode has_pattern(Mat matrix, Mat negative, bool *same);
   void forget();
+  void forget_stash();
 
   /// Rows that the host zeroes during its callback.
   struct ZeroedRows {
@@ -87,18 +92,22 @@ class ElementHook {
   };
 
   bool active_ = false, always_ = false;
-  Mat negative_ = nullptr;  ///< borrowed while active
+  Mat negative_ = nullptr;  ///< while active; the caller's, also where it is made here
   const std::vector<char> *in_field_ = nullptr;
   PetscObjectId duplicate_ = 0;  ///< the N that was duplicated, and both patterns at that time
   PetscObjectState pattern_of_matrix_ = 0, pattern_of_negative_ = 0;
   EigenvalueFloor floor_;
   InsertionCounts counts_;
+  PetscInt64 rising_ = 0;  ///< elements with a positive eigenvalue
+  SeenSum seen_;
+  SignPattern pattern_;
+  bool pattern_is_known_ = false, all_are_of_saddle_ = false;
   double filter_seconds_ = 0;
   std::vector<PetscInt> stashed_sizes_, stashed_indices_;
   std::vector<double> stashed_values_;
   std::vector<ZeroedRows> zeroed_;
-  std::vector<double> block_, N_;          // work
-  std::vector<PetscInt> index_, members_;  // work
+  std::vector<double> block_, N_;                    // work
+  std::vector<PetscInt> index_, columns_, members_;  // work
 };
 
 }  // namespace trefoil

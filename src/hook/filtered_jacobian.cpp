@@ -29,7 +29,8 @@ PetscErrorCode FilteredJacobian::form(Mat matrix, double weight, bool filtered,
   elements_ = counts.elements;
   unfiltered_ += counts;
   negative_present_ = false;
-  if (filtered && negative_ && counts.indefinite > 0) PetscCall(restore_filter());
+  if (filtered && negative_ && counts.indefinite + counts.negative_diagonals > 0)
+    PetscCall(restore_filter());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

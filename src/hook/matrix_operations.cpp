@@ -13,9 +13,10 @@ constexpr const char *key = "trefoil_element_hook";
 using Operations = ElementHook::Operations;
 
 /// Every hook there is, a handful. Not only composed with its Mat, because MatHeaderMerge(), in
-/// MatAXPY() with another nonzero pattern say, keeps a Mat's operations and forgets the rest.
+/// MatAXPY() with another nonzero pattern say, keeps a Mat's operations and forgets the rest. Never
+/// destroyed: a host may finalise PETSc, and destroy Mats, from a destructor of its own after ours.
 std::vector<std::unique_ptr<Operations>> &hooks() {
-  static std::vector<std::unique_ptr<Operations>> all;
+  static auto &all = *new std::vector<std::unique_ptr<Operations>>;
   return all;
 }
 
@@ -102,7 +103,7 @@ PetscErrorCode watched_zero_rows(Mat matrix, PetscInt count, const PetscInt rows
                                  PetscScalar diagonal, Vec x, Vec b) {
   Operations *operations = operations_of(matrix);
   PetscFunctionBegin;
-  operations->note_zeroed(count, rows, columns_too);
+  operations->hook.note_zeroed(count, rows, columns_too);
   PetscCall((operations->*original)(matrix, count, rows, diagonal, x, b));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -112,6 +113,46 @@ PetscErrorCode watched_zero_entries(Mat matrix) {
   PetscFunctionBegin;
   PetscCall(operations->hook.restart());
   PetscCall(operations->zero_entries(matrix));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode watched_scale(Mat matrix, PetscScalar factor) {
+  Operations *operations = operations_of(matrix);
+  PetscFunctionBegin;
+  PetscCall(operations->hook.scale(matrix, PetscRealPart(factor)));
+  PetscCall(operations->scale(matrix, factor));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode watched_diagonal_scale(Mat matrix, Vec left, Vec right) {
+  Operations *operations = operations_of(matrix);
+  PetscFunctionBegin;
+  PetscCall(operations->hook.scale_diagonally(matrix, left, right));
+  PetscCall(operations->diagonal_scale(matrix, left, right));
+  PetscCall(operations->hook.take_as_seen(matrix));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Types may do these by inserting numbers, which are none of the host's.
+PetscErrorCode watched_shift(Mat matrix, PetscScalar constant) {
+  Operations *operations = operations_of(matrix);
+  const bool was_active = operations->hook.active();
+  PetscFunctionBegin;
+  PetscCall(operations->hook.add_to_diagonal(matrix, nullptr, PetscRealPart(constant)));
+  if (was_active) operations->hook.pause(true);
+  PetscCall(operations->shift(matrix, constant));
+  if (was_active) operations->hook.pause(false);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode watched_diagonal_set(Mat matrix, Vec diagonal, InsertMode mode) {
+  Operations *operations = operations_of(matrix);
+  const bool was_active = operations->hook.active();
+  PetscFunctionBegin;
+  if (mode == ADD_VALUES) PetscCall(operations->hook.add_to_diagonal(matrix, diagonal, 0));
+  if (was_active) operations->hook.pause(true);
+  PetscCall(operations->diagonal_set(matrix, diagonal, mode));
+  if (was_active) operations->hook.pause(false);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -159,6 +200,10 @@ PetscErrorCode for_each_operation(Operations &own, Visit visit) {
   PetscCall(visit(MATOP_ZERO_ROWS_COLUMNS, &watched_zero_rows<&Operations::zero_rows_columns, true>,
                   &own.zero_rows_columns));
   PetscCall(visit(MATOP_ZERO_ENTRIES, &watched_zero_entries, &own.zero_entries));
+  PetscCall(visit(MATOP_SCALE, &watched_scale, &own.scale));
+  PetscCall(visit(MATOP_SHIFT, &watched_shift, &own.shift));
+  PetscCall(visit(MATOP_DIAGONAL_SCALE, &watched_diagonal_scale, &own.diagonal_scale));
+  PetscCall(visit(MATOP_DIAGONAL_SET, &watched_diagonal_set, &own.diagonal_set));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -222,6 +267,13 @@ PetscErrorCode add_multiple(Mat matrix, double factor, Mat negative) {
                     symmetric && block_size > 1 ? SUBSET_NONZERO_PATTERN : SAME_NONZERO_PATTERN));
   if (was_active) hook->pause(false);
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+bool is_matrix_free(Mat matrix) {
+  PetscBool free = PETSC_FALSE;
+  const PetscErrorCode error = PetscObjectTypeCompareAny(reinterpret_cast<PetscObject>(matrix),
+                                                         &free, MATMFFD, MATSHELL, "");
+  return error || free;
 }
 
 PetscErrorCode set_values_unrecorded(Mat matrix, PetscInt n, const PetscInt *index,

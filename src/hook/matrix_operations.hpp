@@ -11,6 +11,9 @@ using SetValuesFunction = PetscErrorCode (*)(Mat, PetscInt, const PetscInt[], Pe
 using ZeroRowsFunction = PetscErrorCode (*)(Mat, PetscInt, const PetscInt[], PetscScalar, Vec, Vec);
 
 using ZeroEntriesFunction = PetscErrorCode (*)(Mat);
+using ScaleFunction = PetscErrorCode (*)(Mat, PetscScalar);
+using DiagonalScaleFunction = PetscErrorCode (*)(Mat, Vec, Vec);
+using DiagonalSetFunction = PetscErrorCode (*)(Mat, Vec, InsertMode);
 
 /// A Mat's own operations, which the hook's call after recording.
 struct ElementHook::Operations {
@@ -22,6 +25,9 @@ struct ElementHook::Operations {
   SetValuesFunction set_values_local = nullptr, set_values_blocked_local = nullptr;
   ZeroRowsFunction zero_rows = nullptr, zero_rows_columns = nullptr;
   ZeroEntriesFunction zero_entries = nullptr;
+  ScaleFunction scale = nullptr, shift = nullptr;
+  DiagonalScaleFunction diagonal_scale = nullptr;
+  DiagonalSetFunction diagonal_set = nullptr;
 
   /// Replaces those operations of the Mat that exist and are not ours yet.
   PetscErrorCode install();
@@ -32,13 +38,13 @@ struct ElementHook::Operations {
                        const PetscScalar *values, InsertMode mode, PetscInt block_size) {
     return hook.watch(m, rows, n, columns, values, mode, block_size);
   }
-  void note_zeroed(PetscInt count, const PetscInt *rows, bool columns_too) {
-    if (hook.active_) hook.zeroed_.push_back({columns_too, {rows, rows + count}});
-  }
 };
 
 /// matrix += factor negative, both of the same nonzero pattern; not recorded. Collective.
 PetscErrorCode add_multiple(Mat matrix, double factor, Mat negative);
+
+/// Whether a Mat has no entries to see into.
+bool is_matrix_free(Mat matrix);
 
 /// Insertion that is not recorded, of a block that the hook has been shown already.
 PetscErrorCode set_values_unrecorded(Mat matrix, PetscInt n, const PetscInt *index,

@@ -8,22 +8,25 @@ namespace {
 
 using Registry = std::vector<std::pair<std::string, RuleFactory>>;
 
-// A new rule of ours is one file and one line here.
-const Registry own_rules{
-    {"newton", make_newton_rule},
-    {"clamp", make_clamp_rule},
-    {"absolute", make_absolute_rule},
-    {"adaptive", make_adaptive_rule},
-    {"constant", make_constant_rule},
-    {"on_demand", make_on_demand_rule},
-    {"blend", make_blend_rule},
-    {"three_state", make_three_state_rule},
-    {"multiplicative", make_multiplicative_rule},
-    {"tikhonov", make_tikhonov_rule},
-};
+/// A new rule of ours is one file and one line here.
+Registry own_rules() {
+  return {
+      {"newton", make_newton_rule},
+      {"clamp", make_clamp_rule},
+      {"absolute", make_absolute_rule},
+      {"adaptive", make_adaptive_rule},
+      {"constant", make_constant_rule},
+      {"on_demand", make_on_demand_rule},
+      {"blend", make_blend_rule},
+      {"three_state", make_three_state_rule},
+      {"multiplicative", make_multiplicative_rule},
+      {"tikhonov", make_tikhonov_rule},
+  };
+}
 
+/// Never destroyed: a host may finalise PETSc from a destructor of its own, after ours.
 Registry &registry() {
-  static Registry rules = own_rules;
+  static auto &rules = *new Registry(own_rules());
   return rules;
 }
 
@@ -50,7 +53,7 @@ bool register_rule(const std::string &name, RuleFactory factory) {
 }
 
 void forget_registered_rules() {
-  registry() = own_rules;
+  registry() = own_rules();
 }
 
 }  // namespace trefoil

@@ -2,10 +2,13 @@
 
 #include <petscmat.h>
 
+#include "search/line_search_state.hpp"
+
 namespace trefoil {
 
-/// Whether the direction still moves unknowns whose rows of H are but a diagonal: Dirichlet values
-/// that a host enforces by the first step. Collective.
-PetscErrorCode moves_boundary_values(Mat H, Vec direction, bool *moves);
+/// Whether the direction still moves Dirichlet values that a host enforces by the first step:
+/// unknowns whose rows of H are but a diagonal, and whose residual a full step takes away. An
+/// unknown that hangs on none other, but not linearly, is none of these. Collective.
+PetscErrorCode moves_boundary_values(Mat H, LineSearchState &state, bool *moves);
 
 }  // namespace trefoil

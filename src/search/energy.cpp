@@ -2,28 +2,73 @@
 
 #include <petsc/private/petscimpl.h>
 
+#include <cmath>
+
 #include "support/petsc_compatibility.hpp"
+#include "support/real_dot.hpp"
 
 namespace trefoil {
 
 void Energy::begin_solve() {
   known_state_ = -1;
   known_energy_ = 0;
+  objective_examined_ = objective_is_norm_ = false;
+}
+
+PetscErrorCode Energy::wants_examination(bool *wants) const {
+  PetscFunctionBeginUser;
+  PetscCall(has_objective(wants));
+  *wants = *wants && !objective_examined_;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Energy::examine_objective(double objective, double norm, double slope,
+                                         double slope_of_half_square, bool *is_norm) {
+  constexpr double rounding = 1e-10, difference = 1e-6;
+  // What the objective may be, and its slope.
+  const double norms[3][2] = {{norm, slope_of_half_square / norm},
+                              {norm * norm / 2, slope_of_half_square},
+                              {norm * norm, 2 * slope_of_half_square}};
+  PetscFunctionBeginUser;
+  *is_norm = false;
+  if (!(norm > 0)) PetscFunctionReturn(PETSC_SUCCESS);
+  objective_examined_ = true;
+  for (const auto &[value, slope_of_norm] : norms) {
+    const bool same_value = std::abs(objective - value) <= rounding * value;
+    const bool same_slope = std::abs(slope_of_norm - slope) <= difference * std::abs(slope);
+    *is_norm = *is_norm || (same_value && !same_slope);
+  }
+  if (*is_norm) {
+    objective_is_norm_ = true;
+    known_energy_ = 0;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Energy::work_of_right_hand_side(Vec v, double *work) const {
+  Vec b = nullptr;
+  PetscFunctionBeginUser;
+  *work = 0;
+  PetscCall(SNESGetRhs(snes_, &b));
+  if (b) PetscCall(dot(b, v, work));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode Energy::has_objective(bool *has) const {
   PetscErrorCode (*objective)(SNES, Vec, PetscReal *, void *) = nullptr;
   PetscFunctionBeginUser;
   PetscCall(SNESGetObjective(snes_, &objective, nullptr));
-  *has = objective != nullptr;
+  *has = objective && !objective_is_norm_;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode Energy::evaluate(Vec x, double *energy) {
   PetscReal value = 0;
+  double work = 0;
   PetscFunctionBeginUser;
   PetscCall(SNESComputeObjective(snes_, x, &value));
-  *energy = value;
+  PetscCall(work_of_right_hand_side(x, &work));
+  *energy = value - work;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -71,6 +116,11 @@ PetscErrorCode Energy::changes(Vec x, PetscInt directions, const Vec d[], PetscI
   PetscFunctionBeginUser;
   PetscCall(changes_callback.function(snes_, x, directions, d, points, coefficients, changes,
                                       changes_callback.context));
+  for (PetscInt k = 0; k < directions; ++k) {
+    double work = 0;
+    PetscCall(work_of_right_hand_side(d[k], &work));
+    for (PetscInt p = 0; p < points; ++p) changes[p] -= coefficients[directions * p + k] * work;
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

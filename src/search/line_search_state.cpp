@@ -69,16 +69,17 @@ PetscErrorCode evaluate_trial(LineSearchState &state, double step, bool *finite)
   PetscCall(VecWAXPY(state.trial, step, state.d, state.x));
   if (state.has_objective) {
     PetscCall(state.f.evaluate(state.trial, &state.trial_energy));
+    state.trial_change = state.trial_energy - state.energy;
   } else {
-    double change = 0;
+    state.trial_change = 0;
     PetscCall(evaluate_trial_residual(state));
     if (!std::isfinite(state.trial_slope)) {
-      change = state.trial_slope;
+      state.trial_change = state.trial_slope;
     } else if (!state.lifted) {
-      PetscCall(
-          integrate_slope(state, 0, step, state.slope, state.trial_slope, most_halvings, &change));
+      PetscCall(integrate_slope(state, 0, step, state.slope, state.trial_slope, most_halvings,
+                                &state.trial_change));
     }
-    state.trial_energy = state.energy + change;
+    state.trial_energy = state.energy + state.trial_change;
   }
   *finite = std::isfinite(state.trial_energy);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -97,7 +98,7 @@ PetscErrorCode evaluate_trial_residual(LineSearchState &state) {
 
 PetscErrorCode energy_change(LineSearchState &state, double predicted, double *change) {
   PetscFunctionBegin;
-  *change = state.trial_energy - state.energy;
+  *change = state.trial_change;
   // A ratio to the prediction is wanted to three digits. Where the difference drowns in rounding,
   // the slopes at both ends keep theirs (trapezoidal rule, exact to third order in the step).
   if (state.has_objective && std::abs(predicted) < 1e3 * energy_noise(state)) {

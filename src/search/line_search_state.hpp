@@ -33,6 +33,9 @@ struct LineSearchState {
   Vec trial = nullptr, trial_residual = nullptr;  ///< x + s d and, once known, g there
   double step = 0;                                ///< s
   double trial_energy = 0, trial_slope = 0;       ///< f and g'd at the trial point
+  /// f(x + s d) - f(x): where the slope was integrated the integral itself, which keeps its digits
+  /// when the energy gained since the start is much larger.
+  double trial_change = 0;
   bool trial_residual_known = false;
   bool truncated = false;  ///< the host allowed no longer step
   int trials = 0;
@@ -48,8 +51,8 @@ struct LineSearchState {
 /// Takes over the direction that the linear solver left in the SNES's update. Collective.
 PetscErrorCode take_solvers_direction(LineSearchState &state);
 
-/// Goes to x + step d: its energy, and whether it is finite. Without an objective the energy is
-/// f(x) plus the integral of the slope g'd along the line. Collective.
+/// Goes to x + step d: its energy, and whether it is finite. Without an objective the change of the
+/// energy is the integral of the slope g'd along the line. Collective.
 PetscErrorCode evaluate_trial(LineSearchState &state, double step, bool *finite);
 
 /// The residual and the slope at the trial point, once. Collective.

@@ -30,7 +30,8 @@ struct SolveRecord {
   /// g'H^-1 g / 2 at the end, with the unfiltered Hessian: how far above its minimum the energy
   /// still is, to second order. Not-a-number where nobody has factored H.
   double error_estimate = IterationRecord::none;
-  int verification_solves = 0;  ///< with the factors of the last Jacobian, to look for it
+  std::vector<std::string> notes;  ///< what the user should know of this solve, a sentence each
+  int verification_solves = 0;     ///< with the factors of the last Jacobian, to look for it
 
   /// Begins a new solve: forgets the last one and starts the clock.
   void begin();

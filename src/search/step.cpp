@@ -21,6 +21,9 @@ PetscErrorCode backtrack(const SearchOptions &options, LineSearchState &state, d
       double change = 0;
       PetscCall(energy_change(state, step * state.slope, &change));
       *accepted = state.lifted || change <= options.armijo * step * state.slope;
+      // An energy may be finite where the residual is not, and a lifted step's is not compared.
+      if (*accepted) PetscCall(evaluate_trial_residual(state));
+      *accepted = *accepted && std::isfinite(state.trial_slope);
       if (*accepted) PetscFunctionReturn(PETSC_SUCCESS);
     }
     step *= options.shrink;

@@ -98,7 +98,7 @@ PetscErrorCode classify(KSP ksp, FilteredJacobian &jacobian, LineSearchState &st
 PetscErrorCode descend_from_saddle(double energy_scale, const NegativeCurvature &found,
                                    LineSearchState &state, bool *lower) {
   constexpr int most_halvings = 40;
-  const double noise = 8 * PETSC_MACHINE_EPSILON * std::abs(state.energy);
+  const double noise = state.has_objective ? 8 * PETSC_MACHINE_EPSILON * std::abs(state.energy) : 0;
   double size = energy_scale, slope = 0, best_step = 0;
   bool finite = false;
   PetscFunctionBeginUser;
@@ -109,14 +109,14 @@ PetscErrorCode descend_from_saddle(double energy_scale, const NegativeCurvature 
   PetscCall(VecScale(found.direction, downhill * std::sqrt(2 * size / found.squared_norm)));
   PetscCall(dot(state.residual, found.direction, &slope));
   state.aim(found.direction, slope);
-  double best = state.energy - noise, step = 1;
+  double best = -noise, step = 1;
   PetscCall(state.f.limit_step(state.x, state.d, &step, &state.truncated));
   for (state.trials = 1; state.trials <= most_halvings; ++state.trials, step /= 2) {
     PetscCall(evaluate_trial(state, step, &finite));
-    const bool better = finite && state.trial_energy < best;
+    const bool better = finite && state.trial_change < best;
     if (best_step > 0 && !better) break;
     if (!better) continue;
-    best = state.trial_energy;
+    best = state.trial_change;
     best_step = step;
   }
   *lower = best_step > 0;

@@ -3,6 +3,7 @@
 #include <petsc/private/snesimpl.h>
 
 #include "filter/filter.hpp"
+#include "hook/matrix_operations.hpp"
 #include "snes/field_selection.hpp"
 #include "support/petsc_compatibility.hpp"
 
@@ -17,10 +18,8 @@ constexpr const char *way_out =
 PetscErrorCode refuse_matrix_free(Mat J, Mat H) {
   PetscFunctionBegin;
   for (Mat matrix : {J, H}) {
-    PetscBool free = PETSC_FALSE;
-    PetscCall(PetscObjectTypeCompareAny(reinterpret_cast<PetscObject>(matrix), &free, MATMFFD,
-                                        MATSHELL, ""));
-    PetscCheck(!free, PetscObjectComm(reinterpret_cast<PetscObject>(matrix)), PETSC_ERR_SUP,
+    PetscCheck(!is_matrix_free(matrix), PetscObjectComm(reinterpret_cast<PetscObject>(matrix)),
+               PETSC_ERR_SUP,
                "the Jacobian is matrix-free (type %s), which the filter cannot see into: assemble "
                "it, or -snes_trefoil_strict false goes on unfiltered",
                reinterpret_cast<PetscObject>(matrix)->type_name);
@@ -49,11 +48,13 @@ PetscErrorCode refuse_unfiltered(MPI_Comm comm, HostJacobian::Function host,
              "no element block was added to the Jacobian (MatSetValuesCOO, number by number, or "
              "inserted instead of added?): %s",
              way_out);
-  PetscCheck(counts.saddle == 0, comm, PETSC_ERR_SUP,
-             "%lld of %lld element blocks are of a saddle point (zeros on the diagonal), whose "
-             "negative eigenvalues must stay: name the fields to filter with -snes_trefoil_fields, "
-             "or -snes_trefoil_strict false goes on unfiltered",
-             static_cast<long long>(counts.saddle), static_cast<long long>(counts.elements));
+  PetscCheck(
+      counts.saddle == 0, comm, PETSC_ERR_SUP,
+      "%lld of %lld element blocks are of a saddle point (zeros on the diagonal, or in every "
+      "element the same unknowns with a negative one), whose "
+      "negative eigenvalues must stay: name the fields to filter with -snes_trefoil_fields, "
+      "or -snes_trefoil_strict false goes on unfiltered",
+      static_cast<long long>(counts.saddle), static_cast<long long>(counts.elements));
   PetscCheck(counts.too_large == 0, comm, PETSC_ERR_SUP,
              "%lld of %lld element blocks have more than the filter's largest number of rows, %d: "
              "-snes_trefoil_strict false goes on with these unfiltered",
@@ -66,6 +67,22 @@ PetscErrorCode refuse_unfiltered(MPI_Comm comm, HostJacobian::Function host,
              "%lld of %lld element blocks are not symmetric, so they are no Hessians of an energy "
              "(follower loads?): -snes_trefoil_strict false goes on with these unfiltered",
              static_cast<long long>(counts.nonsymmetric), static_cast<long long>(counts.elements));
+  PetscCheck(counts.singles == 0, comm, PETSC_ERR_SUP,
+             "%lld single numbers were added beside the Jacobian's diagonal, and so are no whole "
+             "elements, to %lld element blocks: %s",
+             static_cast<long long>(counts.singles), static_cast<long long>(counts.elements),
+             way_out);
+  PetscCheck(counts.one_sided == 0, comm, PETSC_ERR_SUP,
+             "the Jacobian was scaled by rows or by columns alone (MatDiagonalScale()), which "
+             "leaves no Hessian of an energy: scale both sides by the same vector, or "
+             "-snes_trefoil_strict false goes on");
+  PetscCheck(
+      counts.changed == 0, comm, PETSC_ERR_SUP,
+      "the Jacobian is not the sum of the %lld element blocks that were added to it: it had "
+      "other entries before, or was changed afterwards (MatAXPY(), MatCopy(), "
+      "MAT_IGNORE_ZERO_ENTRIES ...), which the filter has not seen: add all of it in element "
+      "blocks, or -snes_trefoil_strict false goes on",
+      static_cast<long long>(counts.elements));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -131,6 +148,11 @@ PetscErrorCode HostJacobian::compute_watched(SNES snes, Vec x, Mat J, Mat H,
   ElementHook *hook = nullptr;
   PetscFunctionBegin;
   if (strict) PetscCall(refuse_matrix_free(J, H));
+  if (is_matrix_free(H)) {
+    PetscCall(compute(snes, x, J, H));
+    counts->unseen = 1;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCall(watch(snes, x, H, fields, jacobian, &hook));
   hook->set_floor(floor);
   PetscCall(hook->begin(jacobian.negative(), in_field_.empty() ? nullptr : &in_field_));

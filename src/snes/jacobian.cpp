@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "hook/matrix_operations.hpp"
+#include "hook/seen_sum.hpp"
 #include "snes/solver.hpp"
 #include "support/log_events.hpp"
 #include "support/petsc_compatibility.hpp"
@@ -119,6 +121,34 @@ PetscErrorCode say_symmetric(const Solver &solver, Mat H) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// Whether the linear solver multiplies by J beside solving with H.
+PetscErrorCode multiplies_by(SNES snes, Mat J, Mat H, bool *multiplies) {
+  KSP ksp = nullptr;
+  PetscBool direct = PETSC_FALSE;
+  PetscFunctionBeginUser;
+  PetscCall(SNESGetKSP(snes, &ksp));
+  PetscCall(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(ksp), KSPPREONLY, &direct));
+  *multiplies = J != H && !direct;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// A host may keep the operator J apart from the matrix H that is filtered. Where they are the same
+/// numbers, J is filtered as well; otherwise a Krylov solver would go by what is not.
+/// @param same whether J is to become the filtered matrix
+PetscErrorCode check_operator(Solver &solver, Mat J, Mat H, InsertionCounts *counts, bool *same) {
+  const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(solver.snes));
+  PetscFunctionBeginUser;
+  if (!is_matrix_free(J) && !is_matrix_free(H)) PetscCall(are_equal(J, H, same));
+  if (*same) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCheck(!solver.options.strict, comm, PETSC_ERR_SUP,
+             "the Jacobian's two matrices differ, and the Krylov solver multiplies by the one that "
+             "is not filtered: use one matrix for both, -ksp_type preonly, or "
+             "-snes_trefoil_strict false to go on like that");
+  counts->unseen = 1;
+  PetscCall(solver.note("the Krylov solver multiplies by a matrix that is not filtered"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /// Assembles H and N, by whichever callback there is, and forms H + 2 w N.
 PetscErrorCode assemble(Solver &solver, Vec x, Mat J, Mat H, double weight) {
   const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(solver.snes));
@@ -127,6 +157,7 @@ PetscErrorCode assemble(Solver &solver, Vec x, Mat J, Mat H, double weight) {
   const EigenvalueFloor floor = solver.floor(weight);
   InsertionCounts counts;
   double filter_seconds = 0;
+  bool multiplies = false, same = false;
   PetscFunctionBeginUser;
   if (filtered) PetscCall(check_capabilities(comm, options, solver.split_jacobian, floor));
   solver.record.clock.switch_to(Phase::assembly);
@@ -140,7 +171,15 @@ PetscErrorCode assemble(Solver &solver, Vec x, Mat J, Mat H, double weight) {
   } else {
     PetscCall(solver.host_jacobian.compute(solver.snes, x, J, H));
   }
+  if (filtered) PetscCall(solver.jacobian_test.run(solver.snes));
+  PetscCall(multiplies_by(solver.snes, J, H, &multiplies));
+  if (filtered && multiplies) PetscCall(check_operator(solver, J, H, &counts, &same));
+  if (counts.changed > 0) {
+    PetscCall(
+        solver.note("the Jacobian is not the sum of the element blocks that were added to it"));
+  }
   PetscCall(solver.jacobian.form(H, weight, filtered, counts));
+  if (same) PetscCall(MatCopy(H, J, DIFFERENT_NONZERO_PATTERN));
   if (solver.split_jacobian) PetscCall(say_symmetric(solver, H));
   PetscCall(PetscLogEventEnd(event_assembly, solver.snes, x, H, nullptr));
   PetscCallMPI(MPI_Barrier(comm));  // or waiting for each other would count as solving, too
@@ -167,6 +206,7 @@ PetscErrorCode compute_filtered_jacobian(SNES snes, Vec x, Mat J, Mat H, void *c
   if (iteration == 0 && !again && !record.history.empty()) record.running = false;
   PetscCall(solver.begin_solve());
   record.clock.switch_to(Phase::assembly);
+  PetscCall(solver.jacobian_test.restore(snes));
   PetscCall(is_driven(snes, &solver.driven));
   PetscCheck(solver.driven || !solver.energy.max_step_callback,
              PetscObjectComm(reinterpret_cast<PetscObject>(snes)), PETSC_ERR_SUP,

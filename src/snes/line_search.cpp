@@ -19,6 +19,7 @@
 
 #include "search/boundary_values.hpp"
 #include "search/direction.hpp"
+#include "search/energy_check.hpp"
 #include "search/shamanskii.hpp"
 #include "search/step.hpp"
 #include "search/stop_test.hpp"
@@ -27,21 +28,61 @@
 #include "snes/solver.hpp"
 #include "support/log_events.hpp"
 #include "support/petsc_compatibility.hpp"
+#include "support/real_dot.hpp"
 
 using namespace trefoil;
 
-/// Refuses a search that cannot work with what the host has given.
-static PetscErrorCode check_search(const Solver &solver, SNESLineSearch search,
-                                   bool has_objective) {
+/// Refuses to drive what it does not know: types of SNES that use a line search in other ways.
+static PetscErrorCode check_driven(const Solver &solver, SNESLineSearch search) {
   const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(search));
+  PetscBool newton = PETSC_FALSE;
+  SNESType type = nullptr;
   PetscFunctionBegin;
+  PetscCall(SNESGetType(solver.snes, &type));
+  PetscCall(PetscObjectTypeCompareAny(reinterpret_cast<PetscObject>(solver.snes), &newton,
+                                      SNESNEWTONLS, SNESTREFOIL, ""));
+  PetscCheck(newton, comm, PETSC_ERR_SUP,
+             "SNES type '%s' does not support line search trefoil, which is for types trefoil and "
+             "newtonls: it needs Newton directions from a Jacobian, and knows no bounds",
+             type);
   PetscCheck(solver.record.running && solver.driven, comm, PETSC_ERR_ORDER,
              "line search trefoil has not seen the Jacobian being made (were the SNES's monitors "
              "cancelled?): use -snes_type trefoil");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Refuses a search that compares energies where the host has given none.
+static PetscErrorCode check_energies(const Solver &solver, bool has_objective) {
+  const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(solver.snes));
+  PetscFunctionBegin;
   PetscCheck(has_objective || solver.options.search.kind != TREFOIL_SEARCH_SUBSPACE, comm,
              PETSC_ERR_ARG_WRONGSTATE,
              "-snes_trefoil_search subspace compares energies: set one with SNESSetObjective(), or "
              "use -snes_trefoil_search armijo");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Whether the objective is an energy at all, at the first point that tells.
+static PetscErrorCode examine_objective(Solver &solver, LineSearchState &state) {
+  Vec product = nullptr;
+  PetscReal norm = 0;
+  double slope_of_half_square = 0;
+  bool wanted = false, is_norm = false;
+  PetscFunctionBegin;
+  PetscCall(solver.energy.wants_examination(&wanted));
+  if (!wanted) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(VecNorm(state.residual, NORM_2, &norm));
+  PetscCall(state.work.get(Work::product, state.solution, &product));
+  PetscCall(solver.jacobian.multiply_unfiltered(state.d, product));
+  PetscCall(dot(state.residual, product, &slope_of_half_square));
+  PetscCall(solver.energy.examine_objective(state.energy, norm, state.slope, slope_of_half_square,
+                                            &is_norm));
+  if (!is_norm) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(
+      solver.note("the objective is the norm of the residual, which is no energy: it is "
+                  "ignored, and changes of the energy are integrated from the residual"));
+  state.has_objective = false;
+  state.energy = 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -50,7 +91,7 @@ static PetscErrorCode open_line(Solver &solver, SNESLineSearch search, LineSearc
   PetscBool changed = PETSC_FALSE;
   PetscFunctionBegin;
   PetscCall(solver.energy.has_objective(&state.has_objective));
-  PetscCall(check_search(solver, search, state.has_objective));
+  PetscCall(check_driven(solver, search));
   PetscCall(SNESLineSearchGetVecs(search, &state.solution, &state.residual, &state.update,
                                   &state.trial, &state.trial_residual));
   PetscCall(SNESLineSearchPreCheck(search, state.solution, state.update, &changed));
@@ -60,9 +101,11 @@ static PetscErrorCode open_line(Solver &solver, SNESLineSearch search, LineSearc
   PetscCall(take_solvers_direction(state));
   state.clock.switch_to(Phase::line_search);  // ranks have waited for each other's solve
   PetscCall(solver.energy.at(state.solution, &state.energy));
+  PetscCall(examine_objective(solver, state));
+  PetscCall(check_energies(solver, state.has_objective));
   PetscCall(VecCopy(state.solution, state.x));
   if (solver.memory.boundary_values_open) {
-    PetscCall(moves_boundary_values(solver.jacobian.matrix(), state.d, &state.lifted));
+    PetscCall(moves_boundary_values(solver.jacobian.matrix(), state, &state.lifted));
     solver.memory.boundary_values_open = state.lifted;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -130,6 +173,7 @@ static PetscErrorCode search_and_step(Solver &solver, SNESLineSearch search,
   current.trials = state.trials;
   current.truncated = state.truncated;
   if (!accepted) {
+    PetscCall(refuse_foreign_objective(state));
     solver.record.reason = "no step along the direction decreases the energy";
     PetscCall(stay(state));
     PetscCall(finish(solver, search, SNES_DIVERGED_LINE_SEARCH));
@@ -175,6 +219,10 @@ static PetscErrorCode iterate(Solver &solver, SNESLineSearch search) {
   PetscFunctionBegin;
   PetscCall(open_line(solver, search, state));
   PetscCall(open_iteration(solver, state));
+  if (!state.has_objective) {
+    PetscCall(refuse_endless_descent(PetscObjectComm(reinterpret_cast<PetscObject>(search)),
+                                     solver.record));
+  }
   PetscCall(
       check_direction(solver.snes, *solver.rule, solver.jacobian, state, solver.record, &refused));
   if (refused) {

@@ -4,6 +4,7 @@
 #include "simd/instruction_set.hpp"
 #include "snes/solver.hpp"
 #include "support/log_events.hpp"
+#include "support/notice.hpp"
 #include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
@@ -17,6 +18,7 @@ static PetscErrorCode TrefoilFinalizePackage(void) {
   PetscFunctionBegin;
   registered = false;
   trefoil::forget_registered_rules();
+  trefoil::forget_notices();
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -2,8 +2,11 @@
 
 #include <petscksp.h>
 
+#include <algorithm>
+
 #include "snes/json_record.hpp"
 #include "snes/monitor.hpp"
+#include "support/notice.hpp"
 #include "support/petsc_compatibility.hpp"
 #include "support/text_file.hpp"
 
@@ -84,6 +87,14 @@ PetscErrorCode Solver::close_iteration(const IterationRecord &iteration) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode Solver::note(const std::string &sentence) {
+  auto &notes = record.notes;
+  PetscFunctionBeginUser;
+  if (std::find(notes.begin(), notes.end(), sentence) == notes.end()) notes.push_back(sentence);
+  PetscCall(say_once(PetscObjectComm(reinterpret_cast<PetscObject>(snes)), sentence));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /// Why the SNES ended, where the search has not said it already.
 static PetscErrorCode explain(SNES snes, SNESConvergedReason reason, std::string *text) {
   const char *name = nullptr;
@@ -134,6 +145,7 @@ PetscErrorCode Solver::end_solve() {
   PetscFunctionBeginUser;
   if (!record.running) PetscFunctionReturn(PETSC_SUCCESS);
   record.clock.switch_to(Phase::other);
+  PetscCall(jacobian_test.restore(snes));
   PetscCall(SNESGetConvergedReason(snes, &reason));
   record.converged = reason > 0;
   PetscCall(explain(snes, reason, &record.reason));

@@ -12,6 +12,7 @@
 #include "search/search_memory.hpp"
 #include "search/solve_record.hpp"
 #include "snes/host_jacobian.hpp"
+#include "snes/jacobian_test.hpp"
 #include "snes/solver_options.hpp"
 #include "support/callback.hpp"
 #include "trefoil.h"
@@ -37,6 +38,7 @@ struct Solver {
   SplitJacobian split_jacobian;
   HostJacobian host_jacobian;
   FilteredJacobian jacobian;
+  JacobianTest jacobian_test;
   bool driven = false;           ///< by our line search; otherwise the Jacobian stays unfiltered
   bool jacobian_is_new = false;  ///< made in this iteration; a SNES may lag it
 
@@ -49,6 +51,8 @@ struct Solver {
   PetscErrorCode begin_solve();
   /// Closes an iteration: into the history, and onto the screen where the user wants that.
   PetscErrorCode close_iteration(const IterationRecord &iteration);
+  /// Keeps a sentence that the user should know for the record, and says it once. Collective.
+  PetscErrorCode note(const std::string &sentence);
   /// Ends it: closes the history, makes the JSON record and writes it where the user wants it.
   /// Collective. Harmless where no solve is running.
   PetscErrorCode end_solve();

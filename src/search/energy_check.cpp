@@ -1,0 +1,50 @@
+#include "search/energy_check.hpp"
+
+#include <cmath>
+
+#include "support/petsc_compatibility.hpp"
+
+namespace trefoil {
+
+PetscErrorCode refuse_foreign_objective(LineSearchState &state) {
+  const double noise = 1e3 * 8 * PETSC_MACHINE_EPSILON * std::abs(state.energy);
+  double ratio = IterationRecord::none;
+  PetscFunctionBegin;
+  if (!state.has_objective) PetscFunctionReturn(PETSC_SUCCESS);
+  // The difference quotient of the smallest step that is not drowned in rounding.
+  for (double step = 1e-1; step > 1e-9; step *= 1e-2) {
+    bool finite = false;
+    PetscCall(evaluate_trial(state, step, &finite));
+    if (!finite) continue;
+    if (std::abs(state.trial_change) < noise || std::abs(step * state.slope) < noise) break;
+    ratio = state.trial_change / (step * state.slope);
+  }
+  PetscCheck(
+      !(std::abs(ratio - 1) > 0.5), PetscObjectComm(reinterpret_cast<PetscObject>(state.x)),
+      PETSC_ERR_ARG_INCOMP,
+      "the objective changes along the direction %.3g times as the residual says, so the "
+      "residual is not its gradient: SNESSetFunction() wants plus the gradient of the energy "
+      "that SNESSetObjective() returns",
+      ratio);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode refuse_endless_descent(MPI_Comm comm, const SolveRecord &record) {
+  constexpr std::size_t window = 8;
+  const auto &history = record.history;
+  PetscFunctionBegin;
+  if (history.size() < window) PetscFunctionReturn(PETSC_SUCCESS);
+  bool grows = true;
+  for (std::size_t k = history.size() - window; k < history.size(); ++k) {
+    const IterationRecord &next = k + 1 < history.size() ? history[k + 1] : record.current;
+    grows = grows && next.decrement > history[k].decrement &&
+            next.gradient_norm > history[k].gradient_norm;
+  }
+  PetscCheck(!grows, comm, PETSC_ERR_ARG_WRONG,
+             "the energy falls faster and faster and the residual grows: there is no minimum this "
+             "way; SNESSetFunction() wants plus the gradient of the energy to minimise, and "
+             "SNESSetJacobian() plus its Hessian");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+}  // namespace trefoil
