@@ -171,9 +171,16 @@ PetscErrorCode assemble(Solver &solver, Vec x, Mat J, Mat H, double weight) {
   } else {
     PetscCall(solver.host_jacobian.compute(solver.snes, x, J, H));
   }
+  if (J != H && is_matrix_free(J)) {  // -snes_mf_operator; hosts that only know H leave it out
+    PetscCall(MatAssemblyBegin(J, MAT_FINAL_ASSEMBLY));
+    PetscCall(MatAssemblyEnd(J, MAT_FINAL_ASSEMBLY));
+  }
   if (filtered) PetscCall(solver.jacobian_test.run(solver.snes));
   PetscCall(multiplies_by(solver.snes, J, H, &multiplies));
   if (filtered && multiplies) PetscCall(check_operator(solver, J, H, &counts, &same));
+  if (filtered && is_matrix_free(H)) {
+    PetscCall(solver.note("the Jacobian is matrix-free: nothing of it is filtered"));
+  }
   if (counts.changed > 0) {
     PetscCall(
         solver.note("the Jacobian is not the sum of the element blocks that were added to it"));

@@ -9,6 +9,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "hook/matrix_operations.hpp"
 #include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
@@ -118,7 +119,7 @@ PetscErrorCode memory_json(SNES snes, MPI_Comm comm, Mat negative, bool solved, 
   PetscFunctionBeginUser;
   PetscCall(SNESGetJacobian(snes, nullptr, &matrix, nullptr, nullptr));
   for (Mat stored : {matrix, negative}) {
-    if (!stored) continue;
+    if (!stored || is_matrix_free(stored)) continue;
     PetscCall(MatGetInfo(stored, MAT_GLOBAL_SUM, &info));
     // A compressed sparse row matrix keeps a number and a column an entry.
     matrix_bytes += info.nz_allocated * static_cast<double>(sizeof(PetscScalar) + sizeof(PetscInt));

@@ -118,14 +118,18 @@ class ElementHost {
   std::vector<Dense> matrices;  ///< that KSP was given
   nlohmann::json record;
   std::function<PetscErrorCode()> in_residual;
+  double energy_offset = 0;  ///< added to the energy, for each unknown
 
  private:
-  static PetscErrorCode energy(SNES, Vec x, PetscReal *value, void *) {
+  static PetscErrorCode energy(SNES, Vec x, PetscReal *value, void *context) {
     PetscScalar square = 0, sum = 0;
+    PetscInt size = 0;
     PetscFunctionBeginUser;
     PetscCall(VecDot(x, x, &square));
     PetscCall(VecSum(x, &sum));
-    *value = square / 2 - sum;
+    PetscCall(VecGetSize(x, &size));
+    *value = square / 2 - sum +
+             static_cast<ElementHost *>(context)->energy_offset * static_cast<double>(size);
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   static PetscErrorCode residual(SNES, Vec x, Vec f, void *context) {
