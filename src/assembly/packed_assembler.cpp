@@ -10,27 +10,19 @@
 namespace trefoil {
 namespace {
 
-/// The matrices of one chunk after the other.
-class Chunks {
- public:
-  explicit Chunks(const PackedElements &elements)
-      : elements_(elements),
-        packs_(elements.elements()),
-        most_(PackedAssembler::chunk_of(packs_)),
-        K(static_cast<std::size_t>(most_ * packs_.entries() * lanes)),
-        N(K.size()),
-        negative(static_cast<std::size_t>(most_ * lanes)) {}
+/// The matrices of one chunk of packs, [first, first + count).
+struct Chunk {
+  const PackedElements &elements;
+  PetscInt first = 0, count = 0;
+  std::vector<double> K, N;
+  std::vector<int> negative;
 
-  /// Calls work() for each chunk, packs [first, first + count), whose matrices K are made.
-  template <class Work>
-  PetscErrorCode for_each(const double *u, const Work &work) {
-    PetscFunctionBeginUser;
-    for (first = 0; first < packs_.packs(); first += most_) {
-      count = std::min(most_, packs_.packs() - first);
-      elements_.hessians(first, count, u, K.data());
-      PetscCall(work());
-    }
-    PetscFunctionReturn(PETSC_SUCCESS);
+  explicit Chunk(const PackedElements &of) : elements(of) {
+    const ElementPacks &packs = elements.elements();
+    const auto matrices = static_cast<std::size_t>(PackedAssembler::chunk_of(packs) * lanes);
+    K.resize(matrices * static_cast<std::size_t>(packs.entries()));
+    N.resize(K.size());
+    negative.resize(matrices);
   }
 
   /// N and the counts of negative eigenvalues from K.
@@ -39,30 +31,34 @@ class Chunks {
     PetscFunctionBeginUser;
     PetscCall(PetscLogEventBegin(event_filter, nullptr, nullptr, nullptr, nullptr));
     PetscCall(PetscTime(&begin));
-    const SplitResult result =
-        elements_.split(first, count, u, K.data(), N.data(), negative.data());
+    const SplitResult result = elements.split(first, count, u, K.data(), N.data(), negative.data());
     PetscCall(PetscTime(&end));
     PetscCall(PetscLogEventEnd(event_filter, nullptr, nullptr, nullptr, nullptr));
     PetscCheck(result.status == SplitStatus::ok || result.status == SplitStatus::not_finite,
                PETSC_COMM_SELF, PETSC_ERR_LIB, "no eigenvalues of an element Hessian were found");
     statistics->filter_seconds += end - begin;
-    for (PetscInt e = 0; e < lanes * count && lanes * first + e < packs_.elements; ++e) {
-      statistics->indefinite += negative[static_cast<std::size_t>(e)] > 0;
-    }
+    // Without the copies that fill the last pack.
+    const PetscInt left = elements.elements().elements - lanes * first;
+    statistics->indefinite +=
+        std::count_if(negative.begin(), negative.begin() + std::min(lanes * count, left),
+                      [](int found) { return found > 0; });
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-
-  PetscInt first = 0, count = 0;
-
- private:
-  const PackedElements &elements_;
-  const ElementPacks &packs_;
-  PetscInt most_;
-
- public:
-  std::vector<double> K, N;
-  std::vector<int> negative;
 };
+
+/// Calls work() for each chunk, once its matrices K are made.
+template <class Work>
+PetscErrorCode for_each_chunk(Chunk *chunk, const double *u, const Work &work) {
+  const ElementPacks &packs = chunk->elements.elements();
+  const PetscInt most = PackedAssembler::chunk_of(packs);
+  PetscFunctionBeginUser;
+  for (chunk->first = 0; chunk->first < packs.packs(); chunk->first += most) {
+    chunk->count = std::min(most, packs.packs() - chunk->first);
+    chunk->elements.hessians(chunk->first, chunk->count, u, chunk->K.data());
+    PetscCall(work());
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
 /// Adds up H (may be null) and N (may be null) of one term's elements.
 PetscErrorCode assemble_part(const PackedAssembler::Part &part, const BlockSums &sums,
@@ -71,9 +67,9 @@ PetscErrorCode assemble_part(const PackedAssembler::Part &part, const BlockSums 
   const PackedElements &elements = *part.elements;
   const AddBlocks add_blocks = add_blocks_kernel(*elements.elements().reference);
   const auto expand = elements.expand();
-  Chunks chunk(elements);
+  Chunk chunk(elements);
   PetscFunctionBeginUser;
-  PetscCall(chunk.for_each(u, [&] {
+  PetscCall(for_each_chunk(&chunk, u, [&] {
     PetscFunctionBeginUser;
     const PetscInt first = chunk.first, count = chunk.count;
     if (H) add_blocks(sums, expand, first, count, chunk.K.data(), nullptr, H);
@@ -150,10 +146,10 @@ PetscErrorCode PackedAssembler::assemble(std::span<const Part> parts, const doub
 PetscErrorCode PackedAssembler::count_negative(const PackedElements &elements, const double *u,
                                                std::vector<double> *counts) {
   TrefoilSplitStatistics ignored{};
-  Chunks chunk(elements);
+  Chunk chunk(elements);
   PetscFunctionBeginUser;
   counts->clear();
-  PetscCall(chunk.for_each(u, [&] {
+  PetscCall(for_each_chunk(&chunk, u, [&] {
     PetscFunctionBeginUser;
     PetscCall(chunk.split(u, &ignored));
     counts->insert(counts->end(), chunk.negative.begin(),

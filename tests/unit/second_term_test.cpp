@@ -459,6 +459,11 @@ TEST_P(SecondTermTest, ThePatternFollowsPairs) {
       expected += 7 * stretch[static_cast<std::size_t>(i)] * stretch[static_cast<std::size_t>(i)];
     EXPECT_NEAR(curvature(two, both.H, probe) / expected, 1, 1e-11) << step;
     EXPECT_NEAR(curvature(two, both.N, probe) / curvature(alone, one.N, probe), 1, 1e-11) << step;
+    // N has H's pattern: the plugin adds the two number by number.
+    OwnedMat sum;
+    ASSERT_EQ(MatDuplicate(both.H, MAT_COPY_VALUES, &sum), PETSC_SUCCESS);
+    ASSERT_EQ(MatAXPY(sum, 1, both.N, SAME_NONZERO_PATTERN), PETSC_SUCCESS);
+    EXPECT_NEAR(curvature(two, sum, probe) / (expected + curvature(alone, one.N, probe)), 1, 1e-11);
     // A solver that has seen another pattern solves with this one.
     PetscReal error = 0, size = 0;
     ASSERT_EQ(KSPSetOperators(ksp, both.H, both.H), PETSC_SUCCESS);
