@@ -93,8 +93,8 @@ double allowed_step(PairKind kind, const PairPoints &points, const PairPoints &m
 
 AllowedStep allowed_step(const Surface &surface, std::span<const ContactPair> pairs,
                          std::span<const double> x, std::span<const double> step,
-                         const StepLimits &limits) {
-  AllowedStep allowed;
+                         const StepLimits &limits, double limit) {
+  AllowedStep allowed{limit};
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     const auto vertices = vertices_of(surface, pairs[k]);
     const double t = allowed_step(pairs[k].kind, points_of(vertices, x), points_of(vertices, step),

@@ -45,10 +45,12 @@ double allowed_step(PairKind kind, const PairPoints &x, const PairPoints &step,
 /// The smallest allowed step of a list of pairs.
 struct AllowedStep {
   double step = 1;
-  int pair = -1;  ///< the first one that allows no more, -1 where all allow a whole step
+  int pair = -1;  ///< the first one that allows no more, -1 where all allow the whole limit
 };
+
+/// @param limit  the share of the step for which the list is complete, see SweptCandidates
 AllowedStep allowed_step(const Surface &surface, std::span<const ContactPair> pairs,
                          std::span<const double> x, std::span<const double> step,
-                         const StepLimits &limits);
+                         const StepLimits &limits, double limit = 1);
 
 }  // namespace trefoil::contact

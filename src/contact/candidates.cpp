@@ -1,6 +1,8 @@
 #include "contact/candidates.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "contact/separation.hpp"
@@ -8,6 +10,8 @@
 
 namespace trefoil::contact {
 namespace {
+
+constexpr double no_limit = std::numeric_limits<double>::infinity();
 
 bool shares_vertex(const std::array<int, 4> &vertices, int firsts) {
   for (int a = 0; a < firsts; ++a) {
@@ -43,9 +47,50 @@ bool stays_away(const Surface &surface, const ContactPair &pair, const Sweep &sw
   const NearestPoints nearest = nearest_points(pair.kind, x);
   if (!(nearest.distance > reach)) return false;
   if (sweep.step().empty()) return true;
-  const PairPoints step = points_of(vertices, sweep.step());
+  const PairPoints end = moved(x, points_of(vertices, sweep.step()), sweep.share());
   return separation(pair.kind, nearest.normal, x) > reach &&
-         separation(pair.kind, nearest.normal, moved(x, step, 1)) > reach;
+         separation(pair.kind, nearest.normal, end) > reach;
+}
+
+/// @return the work of the grids; more than `most_work`: pairs are missing
+double find_pairs(const Surface &surface, const Sweep &sweep, const PairSearch &search,
+                  double most_work, std::vector<ContactPair> &found) {
+  found.clear();
+  const Box region = region_of_rank(surface, sweep, search.rank);
+  const auto take = [&](const ContactPair &pair) {
+    if (may_touch(surface, pair, search) && !stays_away(surface, pair, sweep, search.reach)) {
+      found.push_back(pair);
+    }
+  };
+  const auto facets = swept_facets(surface, sweep, region);
+  const auto vertices = swept_vertices(surface, sweep, region);
+  const PairKind with_facet = surface.dim == 3 ? PairKind::vertex_triangle : PairKind::vertex_edge;
+  const auto take_facet = [&](int v, int f) {
+    take({with_facet, vertices.index[v], facets.index[f]});
+  };
+  const double work = SortedGrid(vertices.boxes, facets.boxes).visit_pairs(take_facet, most_work);
+  sort_pairs(0, surface.vertex_count(), found);
+  if (surface.dim == 2 || work > most_work) return work;
+
+  const std::size_t with_facets = found.size();
+  const auto edges = swept_edges(surface, sweep, region);
+  const auto take_edges = [&](int a, int b) {
+    take({PairKind::edge_edge, edges.index[a], edges.index[b]});
+  };
+  const double more_work = SortedGrid(edges.boxes).visit_pairs(take_edges, most_work - work);
+  sort_pairs(with_facets, surface.edge_count(), found);
+  return work + more_work;
+}
+
+/// The mean length of the edges' relative motion in mean lengths of edges.
+double motion_in_edges(const Surface &surface, std::span<const double> x,
+                       std::span<const double> step) {
+  double motion = 0, length = 0;
+  for (const auto &[a, b] : surface.edges) {
+    motion += norm(point_of(step, a) - point_of(step, b));
+    length += norm(point_of(x, a) - point_of(x, b));
+  }
+  return length > 0 ? motion / length : 0;
 }
 
 }  // namespace
@@ -89,31 +134,31 @@ bool may_touch(const Surface &surface, const ContactPair &pair, const PairSearch
 }
 
 std::vector<ContactPair> find_candidates(const Surface &surface, std::span<const double> x,
-                                         std::span<const double> step, const PairSearch &search) {
-  const Sweep sweep(x, step, search.reach / 2);
-  const Box region = region_of_rank(surface, sweep, search.rank);
-  std::vector<ContactPair> found;
-  const auto take = [&](const ContactPair &pair) {
-    if (may_touch(surface, pair, search) && !stays_away(surface, pair, sweep, search.reach)) {
-      found.push_back(pair);
-    }
-  };
-  const auto facets = swept_facets(surface, sweep, region);
-  const auto vertices = swept_vertices(surface, sweep, region);
-  const PairKind with_facet = surface.dim == 3 ? PairKind::vertex_triangle : PairKind::vertex_edge;
-  SortedGrid(vertices.boxes, facets.boxes).visit_pairs([&](int v, int f) {
-    take({with_facet, vertices.index[v], facets.index[f]});
-  });
-  sort_pairs(0, surface.vertex_count(), found);
-  if (surface.dim == 3) {
-    const std::size_t with_facets = found.size();
-    const auto edges = swept_edges(surface, sweep, region);
-    SortedGrid(edges.boxes).visit_pairs([&](int a, int b) {
-      take({PairKind::edge_edge, edges.index[a], edges.index[b]});
-    });
-    sort_pairs(with_facets, surface.edge_count(), found);
+                                         const PairSearch &search) {
+  std::vector<ContactPair> pairs;
+  find_pairs(surface, Sweep(x, {}, 1, search.reach / 2), search, no_limit, pairs);
+  return pairs;
+}
+
+SweptCandidates find_candidates(const Surface &surface, std::span<const double> x,
+                                std::span<const double> step, const PairSearch &search) {
+  constexpr double work_a_primitive = 1000, times_at_rest = 4, edges_of_motion = 64;
+  SweptCandidates candidates;
+  if (!std::all_of(step.begin(), step.end(), [](double s) { return std::isfinite(s); })) {
+    return {{}, 0};
   }
-  return found;
+  const auto find = [&](double share, double most_work) {
+    const Sweep sweep(x, step, share, search.reach / 2);
+    return find_pairs(surface, sweep, search, most_work, candidates.pairs);
+  };
+  // Of a thousand primitives all pairs may be looked at.
+  double most_work = work_a_primitive * (1000 + surface.vertex_count() + surface.edge_count());
+  if (find(1, most_work) <= most_work) return candidates;
+  most_work = std::max(most_work, times_at_rest * find(0, no_limit));
+  const double edges = motion_in_edges(surface, x, step);
+  while (candidates.share * edges > edges_of_motion) candidates.share /= 4;
+  while (find(candidates.share, most_work) > most_work) candidates.share /= 4;
+  return candidates;
 }
 
 }  // namespace trefoil::contact

@@ -42,13 +42,28 @@ bool is_asked_for(const Primitive &a, const Primitive &b, const PairSearch &sear
 /// Whether it is for this pair: that, and no common vertex.
 bool may_touch(const Surface &surface, const ContactPair &pair, const PairSearch &search);
 
-/// All pairs that may come nearer than search.reach while the vertices go straight from x to
-/// x + step, sorted; and few others: those whose boxes come so near, and for which the plane
-/// between the nearest points at x does not keep them apart. They serve every point of the segment.
-/// With a rank, only what overlaps the box of this rank's own primitives is looked at.
-/// @param x     finite, 3 a vertex
-/// @param step  likewise; empty: none
+/// The pairs of a search that are no farther apart than search.reach, sorted. With a rank, only
+/// what overlaps the box of this rank's own primitives is looked at.
+/// @param x  finite, 3 a vertex
 std::vector<ContactPair> find_candidates(const Surface &surface, std::span<const double> x,
-                                         std::span<const double> step, const PairSearch &search);
+                                         const PairSearch &search);
+
+/// Pairs that serve every point of a segment.
+struct SweptCandidates {
+  std::vector<ContactPair> pairs;
+  double share = 1;  ///< of the step: the segment is [x, x + share step]
+};
+
+/// All pairs of a search that may come nearer than search.reach while the vertices go straight from
+/// x to x + step, sorted; and few others: those whose boxes come so near, and for which the plane
+/// between the nearest points at x does not keep them apart.
+///
+/// Where the step is so long that boxes overlap in masses, some twenty edges of motion against
+/// others, only a share of it, a power of 1/4, is looked at: the boxes of a wild step would all
+/// have to be compared with each other. A step that is not finite gets the share 0 and no pairs.
+/// @param x     finite, 3 a vertex
+/// @param step  likewise 3 a vertex
+SweptCandidates find_candidates(const Surface &surface, std::span<const double> x,
+                                std::span<const double> step, const PairSearch &search);
 
 }  // namespace trefoil::contact

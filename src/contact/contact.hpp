@@ -12,19 +12,23 @@
 ///   ContactPair     two primitives by number: a vertex and a facet, or two edges. Lists of pairs
 ///                   are sorted: kind, first, second.
 ///
+/// Set-up: find_intersections() of the rest positions names what a mesh gets wrong. dhat is a share
+/// of body_diagonal(); least_gap() of the find_candidates() within it says whether bodies are
+/// nearer than that at rest.
+///
 /// One step of a solver
 ///   1. A rank has positions x and a step d of the whole surface (one broadcast). find_candidates()
 ///      lists the pairs of this rank (PairSearch::rank) that come within dhat anywhere on
-///      [x, x + d]: boxes of the motion in a SortedGrid, of this rank's part of space only, then
-///      the distance at x. The list serves until x leaves this segment.
-///   2. allowed_step() of the candidates, and of each HalfSpace; the least of all ranks is the
-///      longest first trial of the line search.
+///      [x, x + d], or a share of it: boxes of the motion in a SortedGrid, of this rank's part of
+///      space only, then the distance at x. The list serves until x leaves this segment.
+///   2. allowed_step() of the candidates up to their share, and of each HalfSpace; the least of all
+///      ranks is the longest first trial of the line search.
 ///   3. contact_energy() at each trial, summed over ranks. Infinite energies are legal.
 ///   4. At the accepted point add_contact_gradient() into an array of the surface, to be added up
 ///   at
 ///      the owners, and contact_hessians(): blocks H and N by the vertices of a pair, which the
 ///      caller numbers; rows of vertices without unknowns drop out. H + N is clamped.
-///      With x and no step, find_candidates() with a reach of 2 dhat is the pattern with a skin.
+///      Without a step, find_candidates() with a reach of 2 dhat is the pattern with a skin.
 ///   5. least_gap() for the record, and pairs_within() for what is in contact.
 /// At the end of a time step lagged_friction() keeps normal forces and tangents; friction_energy()
 /// and its derivatives are functions of the displacement since then.

@@ -23,7 +23,7 @@ Vector3 dividing_point(const Vector3 &a, const Vector3 &b, double of_a, double o
 
 std::vector<Intersection> find_intersections(const Surface &surface, std::span<const double> x,
                                              const PairSearch &search) {
-  const Sweep sweep(x, {}, 0);
+  const Sweep sweep(x, {}, 1, 0);
   const Box region = region_of_rank(surface, sweep, search.rank);
   const auto edges = swept_edges(surface, sweep, region);
   const auto facets = swept_facets(surface, sweep, region);

@@ -109,6 +109,20 @@ Block remaining_directions(const PairFrame &frame, int dim) {
   return P;
 }
 
+/// x = h_0 y_0 + h_1 y_1 + h_2 y_2 for the three coordinates of y, stored at a distance: with
+/// s = (y_0 + y_1 + y_2) / 2 the Hadamard vectors give s, y_0 - s, y_1 - s, y_2 - s.
+template <int distance>
+void expand_vector(const double *y, double *x) {
+  for (int i = 0; i < 3; ++i) {
+    const double y0 = y[distance * i], y1 = y[distance * (3 + i)], y2 = y[distance * (6 + i)];
+    const double s = 0.5 * (y0 + y1 + y2);
+    x[distance * i] = s;
+    x[distance * (3 + i)] = y0 - s;
+    x[distance * (6 + i)] = y1 - s;
+    x[distance * (9 + i)] = y2 - s;
+  }
+}
+
 }  // namespace
 
 /// The edges are columns of J = q R, with R upper triangular; then w = s R^-1 for the numbers s
@@ -185,29 +199,20 @@ void pair_reduced_hessian(const PairFrame &frame, double *K, int stride) {
 }
 
 void expand_reduced(const double *K, int stride, double *H) {
-  const auto entry = [&](int row, int column) {
-    const int low = std::min(row, column), high = std::max(row, column);
-    return K[stride * (high * (high + 1) / 2 + low)];
-  };
-  double half[12][9];  // rows expanded
-  for (int a = 0; a < 4; ++a) {
-    for (int i = 0; i < 3; ++i) {
-      for (int column = 0; column < 9; ++column) {
-        half[3 * a + i][column] = hadamard[0][a] * entry(i, column) +
-                                  hadamard[1][a] * entry(3 + i, column) +
-                                  hadamard[2][a] * entry(6 + i, column);
-      }
+  double full[9][9], half[9][12];
+  for (int row = 0, entry = 0; row < 9; ++row) {
+    for (int column = 0; column <= row; ++column, ++entry) {
+      full[row][column] = full[column][row] = K[stride * entry];
     }
   }
+  for (int row = 0; row < 9; ++row) expand_vector<1>(full[row], half[row]);
+  double whole[12][12];
+  for (int column = 0; column < 12; ++column)
+    expand_vector<12>(&half[0][column], &whole[0][column]);
+  // Rounding is not symmetric: one triangle counts.
   for (int row = 0; row < 12; ++row) {
-    for (int a = 0; a < 4; ++a) {
-      for (int i = 0; i < 3; ++i) {
-        const int column = 3 * a + i;
-        if (column > row) continue;
-        H[12 * row + column] = H[12 * column + row] = hadamard[0][a] * half[row][i] +
-                                                      hadamard[1][a] * half[row][3 + i] +
-                                                      hadamard[2][a] * half[row][6 + i];
-      }
+    for (int column = 0; column <= row; ++column) {
+      H[12 * row + column] = H[12 * column + row] = whole[row][column];
     }
   }
 }

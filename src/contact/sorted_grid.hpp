@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "contact/vector3.hpp"
@@ -34,8 +35,14 @@ class SortedGrid {
 
   /// Calls visit(i, j) once for each pair of overlapping boxes, box i of the first list and box j
   /// of the second, or i < j of the one list; in no useful order.
+  /// @param most_work  ends where there would be more to do, in comparisons of two boxes; a call of
+  ///                   visit() counts as many
+  /// @return the work done; more than `most_work`: it has ended before, pairs are missing
   template <class Visit>
-  void visit_pairs(const Visit &visit) {
+  double visit_pairs(const Visit &visit,
+                     double most_work = std::numeric_limits<double>::infinity()) {
+    constexpr double work_of_visit = 30;
+    double work = 0;
     for (int level = 0; level < levels_; ++level) {
       sort_level(level);
       for (std::size_t begin = 0, end = 0; begin < entries_.size(); begin = end) {
@@ -43,8 +50,11 @@ class SortedGrid {
         const int count = static_cast<int>(end - begin);
         const int seconds = two_sets_ ? count - firsts_in_cell_ : count;
         if (firsts_in_cell_ == 0 || seconds == 0) continue;
+        work += 1.0 * firsts_in_cell_ * seconds;
+        if (work > most_work) return work;
         for (int a = 0; a < firsts_in_cell_; ++a) {
           const int hits = overlaps_in_cell(a, two_sets_ ? firsts_in_cell_ : a + 1, count);
+          work += work_of_visit * hits;
           for (int hit = 0; hit < hits; ++hit) {
             visit(static_cast<int>(cell_.box[a]),
                   static_cast<int>(cell_.box[hits_[hit]] - (two_sets_ ? first_count_ : 0)));
@@ -52,6 +62,7 @@ class SortedGrid {
         }
       }
     }
+    return work;
   }
 
  private:

@@ -103,4 +103,17 @@ Surface make_surface(int dim, std::vector<SurfaceVertex> vertices,
   return surface;
 }
 
+double body_diagonal(const Surface &surface) {
+  constexpr double inf = std::numeric_limits<double>::infinity();
+  Vector3 low{inf, inf, inf}, high{-inf, -inf, -inf};
+  for (const SurfaceVertex &vertex : surface.vertices) {
+    if (vertex.role == Role::obstacle) continue;
+    for (int i = 0; i < 3; ++i) {
+      low[i] = std::min(low[i], vertex.rest[i]);
+      high[i] = std::max(high[i], vertex.rest[i]);
+    }
+  }
+  return low.x <= high.x ? norm(high - low) : 0;
+}
+
 }  // namespace trefoil::contact

@@ -65,7 +65,11 @@ struct Surface {
 Surface make_surface(int dim, std::vector<SurfaceVertex> vertices,
                      std::vector<SurfaceFacet> facets);
 
-/// Whether the first one decides what the two are together.
+/// The diagonal of the box of all bodies at rest, obstacles left out: the length that dhat is a
+/// share of; 0 without bodies.
+double body_diagonal(const Surface &surface);
+
+/// What two primitives are together: the first of their roles.
 inline Role joint_role(const Primitive &a, const Primitive &b) {
   return a.role < b.role ? a.role : b.role;
 }

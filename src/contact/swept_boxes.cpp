@@ -34,9 +34,15 @@ void unite(Box &box, const Box &other) {
 
 }  // namespace
 
+Sweep::Sweep(std::span<const double> x, std::span<const double> step, double share, double margin)
+    : x_(x), step_(step), share_(share), margin_(margin) {
+  const int count = static_cast<int>(step.size() / 3);
+  for (int v = 0; v < count; ++v) mean_ = mean_ + (1.0 / count) * point_of(step, v);
+}
+
 void Sweep::extend(Box &box, int vertex) const {
   const Vector3 from = point_of(x_, vertex);
-  const Vector3 to = step_.empty() ? from : from + point_of(step_, vertex);
+  const Vector3 to = step_.empty() ? from : from + share_ * (point_of(step_, vertex) - mean_);
   for (int i = 0; i < 3; ++i) {
     box.low[i] = std::min(box.low[i], std::min(from[i], to[i]) - margin_);
     box.high[i] = std::max(box.high[i], std::max(from[i], to[i]) + margin_);

@@ -11,16 +11,18 @@
 
 namespace trefoil::contact {
 
-/// The boxes of primitives while their vertices go from x to x + step.
+/// The boxes of primitives while their vertices go from x to x + share step; as seen by one who
+/// moves along with the mean of the steps, which changes no distance: what falls together needs no
+/// room.
 class Sweep {
  public:
   /// @param step    may be empty: none
   /// @param margin  added on all sides
-  Sweep(std::span<const double> x, std::span<const double> step, double margin)
-      : x_(x), step_(step), margin_(margin) {}
+  Sweep(std::span<const double> x, std::span<const double> step, double share, double margin);
 
   [[nodiscard]] std::span<const double> x() const { return x_; }
   [[nodiscard]] std::span<const double> step() const { return step_; }
+  [[nodiscard]] double share() const { return share_; }
 
   /// Of some vertices; numbers -1 are left out.
   template <std::size_t corners>
@@ -37,7 +39,8 @@ class Sweep {
 
  private:
   std::span<const double> x_, step_;
-  double margin_;
+  double share_, margin_;
+  Vector3 mean_;  ///< of the steps
 };
 
 /// Primitives of one kind with their boxes.

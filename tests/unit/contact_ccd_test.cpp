@@ -323,7 +323,8 @@ TEST(AllowedStep, OfSurfaces) {
   std::normal_distribution<double> normal(0, 0.02);
   std::vector<double> step(x.size());
   for (double &s : step) s = normal(random);
-  auto pairs = find_candidates(surface, x, step, {0.01});
+  auto [pairs, share] = find_candidates(surface, x, step, {0.01});
+  ASSERT_EQ(share, 1);
   const StepLimits limits{0.9, 1e-12};
   double least = 1;
   int holds = -1;
@@ -343,6 +344,8 @@ TEST(AllowedStep, OfSurfaces) {
   std::reverse(pairs.begin(), pairs.end());
   EXPECT_EQ(allowed_step(surface, pairs, x, step, limits).step, least);
   EXPECT_EQ(allowed_step(surface, {}, x, step, limits).step, 1);
+  EXPECT_EQ(allowed_step(surface, pairs, x, step, limits, least / 2).step, least / 2);
+  EXPECT_EQ(allowed_step(surface, pairs, x, step, limits, least / 2).pair, -1);
 }
 
 }  // namespace

@@ -53,6 +53,14 @@ TEST(Surface, SortsAndShares) {
   EXPECT_DOUBLE_EQ(total(s.edge_data), 1.5 + slanted);
 }
 
+TEST(Surface, Diagonal) {
+  EXPECT_DOUBLE_EQ(body_diagonal(corner()), std::sqrt(3.0));
+  Surface s = corner();
+  s.vertices[3].role = Role::obstacle;
+  EXPECT_DOUBLE_EQ(body_diagonal(s), std::sqrt(2.0));
+  EXPECT_EQ(body_diagonal(make_surface(3, {}, {})), 0);
+}
+
 TEST(Surface, OfAPlaneBody) {
   const Surface s = make_surface(2, {{{0, 0, 0}}, {{3, 0, 0}}, {{0, 4, 0}}},
                                  {{{1, 2, -1}, 7}, {{2, 0, -1}, 8}, {{1, 0, -1}, 9}});
@@ -95,7 +103,7 @@ struct Crowd {
                        : polygons(12, 0.3 * scale, 2 * scale, random);
     law = {0.3 * scale, 1.5};
     x = surface.rest_positions();
-    pairs = find_candidates(surface, x, {}, {law.distance});
+    pairs = find_candidates(surface, x, {law.distance});
   }
   [[nodiscard]] double energy(const std::vector<double> &at) const {
     return contact_energy(surface, law, pairs, at);
@@ -179,7 +187,7 @@ TEST(ContactEnergy, NegativePartsOfParallelEdges) {
     const Surface surface = two_sheets(3, angle, 0.02);
     const std::vector<double> x = surface.rest_positions();
     const ContactLaw law{0.05};
-    const auto pairs = find_candidates(surface, x, {}, {law.distance});
+    const auto pairs = find_candidates(surface, x, {law.distance});
     long parallel = 0;
     contact_hessians(surface, law, pairs, x, [&](const PairHessian &hessian) {
       std::array<double, 144> N;
@@ -246,7 +254,7 @@ TEST(ContactEnergy, ConvergesUnderRefinement) {
     const Surface surface = two_sheets(n, angle, gap);
     const auto x = surface.rest_positions();
     const ContactLaw law{2 * gap};
-    const auto pairs = find_candidates(surface, x, {}, {law.distance});
+    const auto pairs = find_candidates(surface, x, {law.distance});
     const double energy = contact_energy(surface, law, pairs, x);
     EXPECT_NEAR(energy / barrier_value(gap, 2 * gap) / share, 1, 0.7 / n) << n;
   }

@@ -41,7 +41,7 @@ struct Rubbing {
     std::mt19937 random(1);
     surface = dim == 3 ? tetrahedra(12, 0.3, 1.2, random) : polygons(12, 0.3, 2, random);
     x = surface.rest_positions();
-    pairs = find_candidates(surface, x, {}, {law.distance});
+    pairs = find_candidates(surface, x, {law.distance});
     lagged =
         lagged_friction(surface, law, pairs, x, [](int a, int b) { return (a + b) % 3 ? 0.5 : 0; });
   }

@@ -201,7 +201,8 @@ void expect_candidates(const Surface &surface, double step_size, const PairSearc
   for (std::size_t k = 0; k < step.size(); ++k) {
     if (surface.dim == 3 || k % 3 < 2) step[k] = normal(random);
   }
-  const auto found = find_candidates(surface, x, step, search);
+  const auto [found, share] = find_candidates(surface, x, step, search);
+  EXPECT_EQ(share, 1);
   EXPECT_TRUE(std::is_sorted(found.begin(), found.end()));
   EXPECT_EQ(std::adjacent_find(found.begin(), found.end()), found.end());
   const std::set<ContactPair> candidates(found.begin(), found.end());
@@ -215,7 +216,7 @@ void expect_candidates(const Surface &surface, double step_size, const PairSearc
   EXPECT_GT(near, 20U);
   EXPECT_LT(found.size(), may);
 
-  const auto at_rest = find_candidates(surface, x, {}, search);
+  const auto at_rest = find_candidates(surface, x, search);
   std::vector<ContactPair> expected = all_pairs(surface, search);
   std::erase_if(expected, [&](const ContactPair &pair) {
     const auto points = points_of(vertices_of(surface, pair), x);
@@ -255,7 +256,7 @@ TEST(Candidates, RolesDecide) {
     search.prescribed = prescribed;
     expect_candidates(surface, 0.05, search, random);
     std::set<Role> seen;
-    for (const ContactPair &pair : find_candidates(surface, x, {}, search)) {
+    for (const ContactPair &pair : find_candidates(surface, x, search)) {
       seen.insert(joint_role(first_of(surface, pair), second_of(surface, pair)));
     }
     EXPECT_EQ(seen, prescribed ? (std::set{Role::free, Role::prescribed}) : std::set{Role::free});
@@ -273,14 +274,14 @@ TEST(Candidates, RanksShareThemOut) {
     for (double &s : step) s = normal(random);
     std::vector<ContactPair> together;
     for (int rank = 0; rank < ranks + 1; ++rank) {  // the last one owns nothing
-      const auto own = find_candidates(surface, x, step, {0.1, true, false, rank});
+      const auto own = find_candidates(surface, x, step, {0.1, true, false, rank}).pairs;
       for (const ContactPair &pair : own) {
         EXPECT_EQ(owner_of_pair(first_of(surface, pair), second_of(surface, pair)), rank);
       }
       together.insert(together.end(), own.begin(), own.end());
     }
     std::sort(together.begin(), together.end());
-    EXPECT_EQ(together, find_candidates(surface, x, step, {0.1}));
+    EXPECT_EQ(together, find_candidates(surface, x, step, {0.1}).pairs);
     EXPECT_GT(together.size(), 500U);
   }
 }
@@ -290,17 +291,47 @@ TEST(Candidates, OfARankWithOneVertex) {
   std::mt19937 random(11);
   Surface surface = tetrahedra(2, 0.3, 0.1, random);
   surface.vertices[3].owner = surface.vertex_data[3].owner = 1;
-  std::vector<ContactPair> expected = find_candidates(surface, surface.rest_positions(), {}, {0.5});
+  std::vector<ContactPair> expected = find_candidates(surface, surface.rest_positions(), {0.5});
   std::erase_if(expected, [](const ContactPair &pair) {
     return pair.kind != PairKind::vertex_triangle || pair.first != 3;
   });
   ASSERT_GT(expected.size(), 1U);
-  EXPECT_EQ(find_candidates(surface, surface.rest_positions(), {}, {0.5, true, false, 1}),
-            expected);
+  EXPECT_EQ(find_candidates(surface, surface.rest_positions(), {0.5, true, false, 1}), expected);
+}
+
+/// Steps that sweep everything: a share of them, quickly, and a complete list for that share.
+TEST(Candidates, OfWildSteps) {
+  std::mt19937 random(12);
+  const Surface surface = two_sheets(24, 0.3, 0.02);
+  const auto x = surface.rest_positions();
+  std::vector<double> step(x.size());
+  std::normal_distribution<double> normal;
+  double before = 1;
+  for (const double size : {1e-3, 1.0, 1e3, 1e9}) {
+    for (double &s : step) s = size * normal(random);
+    const SweptCandidates found = find_candidates(surface, x, step, {0.01});
+    EXPECT_LE(found.share, before);
+    EXPECT_GE(found.share * size, 1e-3);
+    before = found.share;
+    // The same as for the share as a step of its own.
+    std::vector<double> part = step;
+    for (double &s : part) s *= found.share;
+    const SweptCandidates of_part = find_candidates(surface, x, part, {0.01});
+    EXPECT_EQ(of_part.share, 1);
+    EXPECT_EQ(of_part.pairs, found.pairs);
+  }
+  EXPECT_LT(before, 1e-9);
+  // What all vertices do together is no motion.
+  for (std::size_t k = 0; k < step.size(); ++k) step[k] = k % 3 == 0 ? 1e6 : 0;
+  EXPECT_EQ(find_candidates(surface, x, step, {0.01}).share, 1);
+  step[7] = std::nan("");
+  EXPECT_EQ(find_candidates(surface, x, step, {0.01}).share, 0);
 }
 
 TEST(Candidates, NothingThere) {
-  EXPECT_TRUE(find_candidates(make_surface(3, {}, {}), {}, {}, {1}).empty());
+  const Surface nothing = make_surface(3, {}, {});
+  EXPECT_TRUE(find_candidates(nothing, {}, {1}).empty());
+  EXPECT_TRUE(find_candidates(nothing, {}, {}, {1}).pairs.empty());
 }
 
 }  // namespace
