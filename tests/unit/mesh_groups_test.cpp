@@ -58,12 +58,10 @@ using Entities = std::map<std::vector<PetscInt>, std::vector<PetscInt>>;
 const std::string nodes_2_2 = "$Nodes\n5\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 1 1 1\n$EndNodes\n";
 const std::string two_cells_2_2 =
     "$Elements\n3\n1 2 2 7 1 1 2 3\n2 4 2 3 9 1 2 3 4\n3 4 3 8 9 1 2 3 4 5\n$EndElements\n";
-const std::string names =
-    "$PhysicalNames\n3\n2 7 \"skin\"\n3 3 \"soft tissue\"\n3 8 \"bone\"\n$EndPhysicalNames\n";
 
 TEST(MeshGroups, OfVersion22) {
-  const CellList mesh =
-      read_contents("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n" + names + nodes_2_2 + two_cells_2_2);
+  const CellList mesh = read_contents("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n" + physical_names +
+                                      nodes_2_2 + two_cells_2_2);
   EXPECT_EQ(groups_of_cells(mesh), (Numbers{{3}, {8}}));
   EXPECT_EQ(texts(mesh.groups),
             (Texts{"surface 7 'skin'", "volume 3 'soft tissue'", "volume 8 'bone'"}));
@@ -77,48 +75,6 @@ TEST(MeshGroups, NoneWhereNoCellHasOne) {
   EXPECT_TRUE(mesh.groups.list().empty());
 }
 
-/// Two volumes of entity tags 5 and 6 after a point, a curve and a surface; the second volume has
-/// two groups, and is turned round in one.
-std::string entities_4_1(Encoding encoding) {
-  Bytes bytes(encoding);
-  bytes.text("$Entities\n").size(1).size(1).size(1).size(2).end_line();
-  bytes.integer(1).real(0).real(0).real(0).size(0).end_line();
-  const auto entity = [&](int tag, std::vector<int> groups, std::vector<int> bounds) {
-    bytes.integer(tag);
-    for (int k = 0; k < 6; ++k) bytes.real(k);
-    bytes.size(static_cast<std::int64_t>(groups.size()));
-    for (const int group : groups) bytes.integer(group);
-    bytes.size(static_cast<std::int64_t>(bounds.size()));
-    for (const int bound : bounds) bytes.integer(bound);
-    bytes.end_line();
-  };
-  entity(1, {}, {1, -1});
-  entity(5, {7}, {1});
-  entity(5, {3}, {5});
-  entity(6, {-8, 3}, {5});
-  return bytes.text("\n$EndEntities\n").str();
-}
-
-std::string two_volumes_4_1(Encoding encoding) {
-  const auto [mesh, tags] = two_tetrahedra();
-  Bytes bytes(encoding);
-  bytes.text("$MeshFormat\n4.1 " + std::string(encoding == Encoding::binary ? "1" : "0") + " 8\n");
-  if (encoding == Encoding::binary) bytes.integer(1).text("\n");
-  bytes.text("$EndMeshFormat\n" + names + entities_4_1(encoding));
-  bytes.text("$Nodes\n").size(1).size(5).size(1).size(5).end_line();
-  bytes.integer(3).integer(5).integer(0).size(5).end_line();
-  for (const std::int64_t tag : tags) bytes.size(tag).end_line();
-  for (const double coordinate : mesh.coordinates) bytes.real(coordinate);
-  bytes.text("\n$EndNodes\n$Elements\n").size(2).size(2).size(1).size(2).end_line();
-  for (int cell = 0; cell < 2; ++cell) {
-    bytes.integer(3).integer(6 - cell).integer(4).size(1).end_line().size(cell + 1);
-    for (std::size_t k = 0; k < 4; ++k)
-      bytes.size(mesh.cells[4 * static_cast<std::size_t>(cell) + k] + 1);
-    bytes.end_line();
-  }
-  return bytes.text("\n$EndElements\n").str();
-}
-
 TEST(MeshGroups, OfVersion41) {
   for (const Encoding encoding : {Encoding::ascii, Encoding::binary}) {
     const CellList mesh = read_contents(two_volumes_4_1(encoding));
@@ -126,47 +82,6 @@ TEST(MeshGroups, OfVersion41) {
     EXPECT_EQ(texts(mesh.groups),
               (Texts{"surface 7 'skin'", "volume 3 'soft tissue'", "volume 8 'bone'"}));
   }
-}
-
-/// A partitioned file: the elements are on entities of $PartitionedEntities, the second of which
-/// does not repeat its parent's groups. Between them is a surface of the partition, whose parent is
-/// a volume.
-std::string partitioned_4_1(Encoding encoding) {
-  const auto [mesh, tags] = two_tetrahedra();
-  Bytes bytes(encoding);
-  bytes.text("$MeshFormat\n4.1 " + std::string(encoding == Encoding::binary ? "1" : "0") + " 8\n");
-  if (encoding == Encoding::binary) bytes.integer(1).text("\n");
-  bytes.text("$EndMeshFormat\n" + names + entities_4_1(encoding));
-  bytes.text("$PartitionedEntities\n").size(2).size(1).integer(77).integer(2).end_line();
-  bytes.size(0).size(0).size(1).size(2).end_line();
-  const auto entity = [&](int tag, int parent_dimension, int parent, std::vector<int> partitions,
-                          std::vector<int> groups) {
-    bytes.integer(tag).integer(parent_dimension).integer(parent);
-    bytes.size(static_cast<std::int64_t>(partitions.size()));
-    for (const int partition : partitions) bytes.integer(partition);
-    for (int k = 0; k < 6; ++k) bytes.real(k);
-    bytes.size(static_cast<std::int64_t>(groups.size()));
-    for (const int group : groups) bytes.integer(group);
-    bytes.size(1).integer(9).end_line();
-  };
-  entity(30, 3, 6, {1, 2}, {});
-  entity(10, 3, 5, {1}, {3});
-  entity(11, 3, 6, {2}, {});
-  bytes.text("\n$EndPartitionedEntities\n");
-  bytes.text("$Nodes\n").size(1).size(5).size(1).size(5).end_line();
-  bytes.integer(3).integer(10).integer(0).size(5).end_line();
-  for (const std::int64_t tag : tags) bytes.size(tag).end_line();
-  for (const double coordinate : mesh.coordinates) bytes.real(coordinate);
-  bytes.text("\n$EndNodes\n$Elements\n").size(3).size(3).size(1).size(3).end_line();
-  bytes.integer(2).integer(30).integer(2).size(1).end_line().size(1);
-  bytes.size(1).size(2).size(3).end_line();
-  for (int cell = 0; cell < 2; ++cell) {
-    bytes.integer(3).integer(10 + cell).integer(4).size(1).end_line().size(cell + 2);
-    for (std::size_t k = 0; k < 4; ++k)
-      bytes.size(mesh.cells[4 * static_cast<std::size_t>(cell) + k] + 1);
-    bytes.end_line();
-  }
-  return bytes.text("\n$EndElements\n").str();
 }
 
 TEST(MeshGroups, OfPartitionedFiles) {
@@ -183,7 +98,7 @@ TEST(MeshGroups, BelowTheCellsInVersion22) {
       "$Elements\n8\n1 15 2 4 1 2\n2 1 2 5 1 2 3\n3 2 2 7 1 1 2 3\n4 2 2 -9 1 3 2 1\n"
       "5 1 2 5 1 3 4\n6 2 2 0 1 1 2 4\n7 15 2 0 1 3\n8 4 2 3 9 1 2 3 4\n$EndElements\n";
   CellList mesh =
-      read_contents("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n" + names + nodes_2_2 + cells);
+      read_contents("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n" + physical_names + nodes_2_2 + cells);
   EXPECT_EQ(take_once(mesh, "one"), 0);
   EXPECT_EQ(entities(mesh, 0), (Entities{{{1}, {4}}}));
   EXPECT_EQ(entities(mesh, 1), (Entities{{{1, 2}, {5}}, {{2, 3}, {5}}}));
