@@ -50,7 +50,10 @@ def sentence(text):
 
 
 def vector(values):
-    return "(" + ", ".join(number(float(value), 4) for value in values) + ")"
+    """Components for people: what is below 1e-9 of the largest is 0."""
+    floor = 1e-9 * max(map(abs, values), default=0)
+    shown = (number(float(value) if abs(value) > floor else 0, 4) for value in values)
+    return "(" + ", ".join(shown) + ")"
 
 
 def table(rows, head=None, name=""):
@@ -130,31 +133,34 @@ def _value(value, unit):
 
 
 def forces_tables(record, units):
-    """Reactions of constraints, forces of loads, regions and probes, where the record has them."""
-    force, moment, area = (units.of(each) for each in ("force", "moment", "area"))
-    titled = lambda words, unit: words + (f" [{html.escape(unit)}]" if unit else "")
-    parts = []
-    if record.get("constraints"):
-        parts.append(table([[html.escape(each["name"]), number(each.get("vertices")),
-                             number(each.get("area")), vector(each["reaction"]), vector(each["moment"])]
-                            for each in record["constraints"] if "reaction" in each],
-                           ["constraint", "vertices", titled("area", area), titled("reaction", force),
-                            titled("moment about the origin", moment)], "Reactions"))
-    if record.get("loads"):
-        parts.append(table([[html.escape(each["name"]), number(each.get("facets")),
-                             number(each.get("area")), vector(each["force"])]
-                            for each in record["loads"] if "force" in each],
-                           ["load", "facets", titled("area", area), titled("force", force)], "Loads"))
-    if len(record.get("regions") or []) > 1:
-        parts.append(table([[html.escape(str(each["name"])), number(each["cells"]),
-                             number(each["volume"]), number(each.get("mass"))]
-                            for each in record["regions"]],
-                           ["region", "cells", titled("volume", units.of("volume")), "mass"], "Regions"))
-    probes = _probes(record)
-    if probes:
-        parts.append(table([[html.escape(name), vector(value)] for name, value in probes.items()],
-                           ["probe", titled("displacement", units.of("length"))], "Probes"))
-    return "".join(parts)
+    """Reactions of constraints, forces of loads, regions and probes, as far as the record has them."""
+    def named(key, name, columns):
+        return _table_of(record.get(key) or [], name, [
+            (column, words + (f" [{html.escape(units.of(quantity))}]" if units.of(quantity) else ""))
+            for column, words, quantity in columns])
+
+    regions = "" if len(record.get("regions") or []) < 2 else named("regions", "Regions", [
+        ("cells", "cells", ""), ("volume", "volume", "volume"), ("mass", "mass", "")])
+    probes = [{"name": name, "displacement": value} for name, value in _probes(record).items()]
+    return (named("constraints", "Constraints", [
+        ("vertices", "vertices", ""), ("area", "area", "area"), ("reaction", "reaction", "force"),
+        ("moment", "moment about the origin", "moment")])
+            + named("loads", "Loads", [("facets", "facets", ""), ("area", "area", "area"),
+                                       ("force", "force", "force")])
+            + regions
+            + _table_of(probes, "Probes", [("displacement", "displacement"
+                                            + (f" [{html.escape(units.length)}]" if units.length else ""))]))
+
+
+def _table_of(rows, name, columns):
+    """Objects with a name, and those of the columns (key, words) that any of them has."""
+    columns = [(key, words) for key, words in columns if any(row.get(key) is not None for row in rows)]
+    if not columns:
+        return ""
+    shown = [[html.escape(str(row["name"]))]
+             + [vector(row[key]) if isinstance(row.get(key), list) else number(row.get(key))
+                for key, _ in columns] for row in rows]
+    return table(shown, [name[:-1].lower()] + [words for _, words in columns], name)
 
 
 def _probes(record):

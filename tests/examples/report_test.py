@@ -137,6 +137,20 @@ class Parts(unittest.TestCase):
         self.assertEqual(results.warnings(record(inverted=1, warnings=["1 inverted element"])), ["1 inverted element"])
 
 
+    def test_forces_are_shown_as_far_as_the_record_has_them(self):
+        units = fields.Units("mm, N")
+        self.assertEqual(results.forces_tables(record(), units), "")
+        some = results.forces_tables({"constraints": [{"name": "wall", "vertices": 3}]}, units)
+        self.assertIn("wall", some)
+        self.assertNotIn("reaction", some)
+        more = results.forces_tables({
+            "constraints": [{"name": "wall", "vertices": 3, "reaction": [1e-15, 0, 4.5], "moment": [0, 0, 0]}],
+            "loads": [{"name": "<hook>", "facets": 2, "area": 1.0, "force": [0, 0, -4.5]}],
+            "steps": [{"t": 1, "probes": {"tip": [1, 2, 3]}}]}, units)
+        for words in ("reaction [N]", "(0, 0, 4.5)", "&lt;hook&gt;", "area [mm²]", "(1, 2, 3)"):
+            self.assertIn(words, more)
+
+
 class Budget(unittest.TestCase):
     def test_a_large_body_is_kept_within_the_size_and_said(self):
         with tempfile.TemporaryDirectory() as folder:
