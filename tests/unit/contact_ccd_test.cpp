@@ -1,6 +1,7 @@
 // Allowed steps against impacts that are known exactly, and against roots in quadruple precision.
 #include "contact/additive_ccd.hpp"
 
+#include "contact/intersections.hpp"
 #include "contact/separation.hpp"
 #include "contact_cases.hpp"
 #include "contact_surfaces.hpp"
@@ -346,6 +347,49 @@ TEST(AllowedStep, OfSurfaces) {
   EXPECT_EQ(allowed_step(surface, {}, x, step, limits).step, 1);
   EXPECT_EQ(allowed_step(surface, pairs, x, step, limits, least / 2).step, least / 2);
   EXPECT_EQ(allowed_step(surface, pairs, x, step, limits, least / 2).pair, -1);
+}
+
+/// Wild steps, each as far as it is allowed: pairs come as near as a tenth of a tenth of ..., and
+/// the exact check finds no intersection ever.
+void expect_never_intersecting(const Surface &surface, const Vector3 &offset,
+                               std::mt19937 &random) {
+  const double diagonal = body_diagonal(surface);
+  std::vector<double> x = surface.rest_positions(), step(x.size());
+  for (std::size_t k = 0; k < x.size(); ++k) x[k] += offset[k % 3];
+  ASSERT_TRUE(find_intersections(surface, x, {}).empty());
+  std::normal_distribution<double> normal(0, 0.02 * diagonal);
+  int cut = 0;
+  for (int round = 0; round < 60; ++round) {
+    for (std::size_t k = 0; k < step.size(); ++k) {
+      if (surface.dim == 3 || k % 3 < 2) step[k] = normal(random);
+    }
+    const auto [pairs, share] = find_candidates(surface, x, step, {1e-3 * diagonal});
+    const StepLimits limits{0.9, 1e-12 * diagonal};
+    const AllowedStep allowed = allowed_step(surface, pairs, x, step, limits, share);
+    ASSERT_GT(allowed.step, 0);
+    cut += allowed.pair >= 0;
+    for (std::size_t k = 0; k < x.size(); ++k) x[k] += allowed.step * step[k];
+    ASSERT_TRUE(find_intersections(surface, x, {}).empty()) << round;
+  }
+  EXPECT_GT(cut, 50);
+}
+
+TEST(AllowedStep, NothingEverIntersects) {
+  std::mt19937 random(6);
+  for (const Vector3 &offset : {Vector3{}, {1e3, -2e3, 3e3}}) {
+    expect_never_intersecting(two_sheets(8, 0.3, 0.05), offset, random);
+    // Without offset in the third direction of the plane.
+    std::vector<SurfaceVertex> vertices;
+    std::vector<SurfaceFacet> facets;
+    for (int body = 0; body < 9; ++body) {
+      for (int k = 0; k < 4; ++k) {
+        const double x = 1.1 * (body % 3) + (k == 1 || k == 2), y = 1.1 * (body / 3) + (k > 1);
+        vertices.push_back({{x, y, 0}, 0, body});
+        facets.push_back({{4 * body + k, 4 * body + (k + 1) % 4, -1}, 1});
+      }
+    }
+    expect_never_intersecting(make_surface(2, vertices, facets), {offset.x, offset.y, 0}, random);
+  }
 }
 
 }  // namespace
