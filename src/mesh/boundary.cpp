@@ -31,18 +31,19 @@ Facet facet_of(const Mesh &mesh, PetscInt cell, std::size_t which) {
   return facet;
 }
 
-/// The facets that only one of this rank's cells has.
-std::vector<Facet> single_facets(const Mesh &mesh) {
+/// The wanted facets that only one of this rank's cells has.
+std::vector<Facet> single_facets(const Mesh &mesh,
+                                 const std::function<bool(const Facet &)> &wanted) {
   struct Entry {
     Key key;
     PetscInt cell;
     std::size_t which;
   };
   std::vector<Entry> all;
-  all.reserve(static_cast<std::size_t>(mesh.local_cells()) * mesh.shape->facets.size());
   for (PetscInt cell = 0; cell < mesh.local_cells(); ++cell) {
     for (std::size_t which = 0; which < mesh.shape->facets.size(); ++which) {
-      all.push_back({key_of(mesh, facet_of(mesh, cell, which)), cell, which});
+      const Facet facet = facet_of(mesh, cell, which);
+      if (wanted(facet)) all.push_back({key_of(mesh, facet), cell, which});
     }
   }
   std::stable_sort(all.begin(), all.end(),
@@ -112,10 +113,7 @@ PetscErrorCode drop_shared(const Mesh &mesh, std::vector<Facet> *facets) {
 PetscErrorCode boundary_facets(const Mesh &mesh, const std::function<bool(const Facet &)> &wanted,
                                std::vector<Facet> *facets) {
   PetscFunctionBeginUser;
-  facets->clear();
-  for (const Facet &facet : single_facets(mesh)) {
-    if (wanted(facet)) facets->push_back(facet);
-  }
+  *facets = single_facets(mesh, wanted);
   PetscCall(drop_shared(mesh, facets));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -56,6 +56,19 @@ PetscErrorCode complete_record(const Scene &scene, const SolveOutcome &outcome,
                     {"inverted_at_start", outcome.inverted_at_start},
                     {"edge_cut", scene.mesh.edge_cut},
                     {"imbalance", scene.mesh.imbalance}};
+  record["constraints"] = Json::array();
+  for (const ConstraintReport &report : scene.constraints.reports()) {
+    record["constraints"].push_back(
+        {{"name", report.name}, {"vertices", report.vertices}, {"area", report.area}});
+  }
+  record["loads"] = Json::array();
+  for (const LoadReport &report : scene.load_reports) {
+    record["loads"].push_back({{"name", report.name},
+                               {"facets", report.facets},
+                               {"area", report.area},
+                               {"force", report.resultant.force}});
+  }
+  record["result"]["warnings"] = scene.warnings;
   record["result"]["energy_rest"] = outcome.energy_rest;
   record["result"]["energy_scale"] = outcome.energy_scale;
   record["result"]["guess_linear_solves"] = outcome.guess.linear_solves;

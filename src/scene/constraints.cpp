@@ -7,20 +7,10 @@
 #include "scene/expression.hpp"
 #include "support/collective_error.hpp"
 #include "support/petsc_compatibility.hpp"
+#include "trefoil/input_error.hpp"
 
 namespace trefoil {
 namespace {
-
-double box_diagonal(const Mesh &mesh) {
-  double sum = 0;
-  for (std::size_t i = 0; i < 3; ++i) {
-    sum += (mesh.box_max[i] - mesh.box_min[i]) * (mesh.box_max[i] - mesh.box_min[i]);
-  }
-  return std::sqrt(sum);
-}
-
-/// Which constraint holds a dof; -1: none.
-using Holder = std::vector<int>;
 
 std::string disagreement(const Mesh &mesh, PetscInt v, const std::string &one,
                          const std::string &other, int component) {
@@ -32,67 +22,148 @@ std::string disagreement(const Mesh &mesh, PetscInt v, const std::string &one,
   return text.str();
 }
 
-/// Holds what one constraint selects on this rank; returns how many owned vertices it takes.
-/// Throws InputError.
-PetscInt hold(const Mesh &mesh, const std::vector<ConstraintOptions> &constraints, int which,
-              double time, Holder &holder, HeldDofs *held) {
-  const ConstraintOptions &constraint = constraints[static_cast<std::size_t>(which)];
-  const std::string option = "-constraint_" + constraint.name;
-  const Expression where(constraint.where, option + "_where", mesh.box_min, mesh.box_max);
-  const std::string zero = mesh.dimension() == 2 ? "0, 0" : "0, 0, 0";
-  const Expression move(constraint.move.empty() ? zero : constraint.move, option + "_move",
-                        mesh.box_min, mesh.box_max);
-  const double tolerance = 1e-12 * box_diagonal(mesh);
-  PetscInt taken = 0;
-  for (PetscInt v = 0; v < mesh.local_vertices(); ++v) {
-    const double *position = &mesh.coordinates[static_cast<std::size_t>(3 * v)];
-    const double chosen = where.evaluate(position, time, 1)[0];
-    if (Expression::is_free(chosen)) {
-      throw InputError(option +
-                       "_where: 'free' is for displacements, not for a choice of vertices");
-    }
-    if (chosen == 0) continue;
-    taken += mesh.owned[static_cast<std::size_t>(v)];
-    const std::vector<double> target =
-        move.evaluate(position, time, static_cast<std::size_t>(mesh.dimension()));
-    for (int i = 0; i < mesh.dimension(); ++i) {
-      const auto dof = static_cast<std::size_t>(3 * v + i);
-      const double value = target[static_cast<std::size_t>(i)];
-      if (Expression::is_free(value)) continue;
-      if (held->held[dof] && std::abs(held->value[dof] - value) > tolerance) {
-        const auto &other = constraints[static_cast<std::size_t>(holder[dof])];
-        throw InputError(disagreement(mesh, v, other.name, constraint.name, i));
-      }
-      if (held->held[dof]) continue;
-      held->held[dof] = 1;
-      held->value[dof] = value;
-      holder[dof] = which;
-    }
-  }
-  return taken;
+/// Refuses a choice that would not be the same at all times.
+PetscErrorCode refuse_time(const Mesh &mesh, const Choice &choice) {
+  PetscFunctionBeginUser;
+  const std::string complaint = complaint_of([&] {
+    if (!Condition(choice.where, choice.option, box_of(mesh), choice.tolerance).uses_time()) return;
+    throw InputError(choice.option + ": '" + choice.where +
+                     "' would hold other vertices at one time than at another; let only their "
+                     "displacements depend on t");
+  });
+  PetscCall(agree_on_complaint(PetscObjectComm(reinterpret_cast<PetscObject>(mesh.dm)), complaint));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 }  // namespace
 
-PetscErrorCode hold_vertices(const Mesh &mesh, const std::vector<ConstraintOptions> &constraints,
-                             double time, HeldDofs *held) {
+PetscErrorCode Constraints::choose(const Mesh &mesh, const SceneOptions &options) {
   const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(mesh.dm));
   PetscFunctionBeginUser;
-  *held = nothing_held(mesh);
-  Holder holder(mesh.coordinates.size(), -1);
-  for (int which = 0; which < static_cast<int>(constraints.size()); ++which) {
-    const ConstraintOptions &constraint = constraints[static_cast<std::size_t>(which)];
-    PetscInt taken = 0;
-    const std::string complaint =
-        complaint_of([&] { taken = hold(mesh, constraints, which, time, holder, held); });
-    PetscCall(agree_on_complaint(comm, complaint));
-    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &taken, 1, MPIU_INT, MPI_SUM, comm));
-    PetscCheck(taken > 0, comm, PETSC_ERR_USER_INPUT,
-               "constraint '%s' catches no vertex: -constraint_%s_where is '%s' and the mesh spans "
+  mesh_ = &mesh;
+  options_ = options.constraints;
+  for (const ConstraintOptions &constraint : options_) {
+    const Choice choice{constraint.where, "-constraint_" + constraint.name + "_where",
+                        options.where_tolerance * box_of(mesh).diagonal()};
+    ConstraintReport report{constraint.name, 0, 0, {}};
+    ChosenVertices chosen;
+    ChosenFacets facets;
+    PetscInt64 nearly = 0;
+    PetscCall(refuse_time(mesh, choice));
+    PetscCall(choose_vertices(mesh, choice, 0, &chosen));
+    PetscCall(count_vertices(mesh, chosen.taken, &report.vertices));
+    PetscCall(count_vertices(mesh, chosen.nearly, &nearly));
+    PetscCheck(report.vertices > 0, comm, PETSC_ERR_USER_INPUT,
+               "constraint '%s' catches no vertex: %s is '%s' and the mesh spans "
                "[%g, %g] x [%g, %g] x [%g, %g]",
-               constraint.name.c_str(), constraint.name.c_str(), constraint.where.c_str(),
+               constraint.name.c_str(), choice.option.c_str(), choice.where.c_str(),
                mesh.box_min[0], mesh.box_max[0], mesh.box_min[1], mesh.box_max[1], mesh.box_min[2],
                mesh.box_max[2]);
+    PetscCall(choose_facets(mesh, chosen, &facets));
+    report.area = facets.area;
+    if (nearly > 0) warnings_.push_back(warn_of_rest(choice, nearly, "vertices"));
+    reports_.push_back(report);
+    std::vector<PetscInt> vertices;
+    for (std::size_t v = 0; v < chosen.taken.size(); ++v) {
+      if (chosen.taken[v]) vertices.push_back(static_cast<PetscInt>(v));
+    }
+    vertices_.push_back(std::move(vertices));
+    const std::string complaint = complaint_of([&] {
+      const std::string zero = mesh.dimension() == 2 ? "0, 0" : "0, 0, 0";
+      moves_.push_back(
+          {std::make_unique<Expression>(constraint.move.empty() ? zero : constraint.move,
+                                        "-constraint_" + constraint.name + "_move", box_of(mesh)),
+           false,
+           {}});
+    });
+    PetscCall(agree_on_complaint(comm, complaint));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// The displacement of a vertex; may have components that are free. Throws InputError.
+std::vector<double> Constraints::target(std::size_t which, PetscInt vertex, double time) const {
+  const Move &move = moves_[which];
+  const double *place = &mesh_->coordinates[static_cast<std::size_t>(3 * vertex)];
+  const auto dimension = static_cast<std::size_t>(mesh_->dimension());
+  if (move.is_rigid && time < 1) {
+    const std::array<double, 3> moved = move.motion.move(place, time);
+    std::vector<double> displacement;
+    for (std::size_t i = 0; i < dimension; ++i) displacement.push_back(moved[i] - place[i]);
+    return displacement;
+  }
+  std::vector<double> displacement = move.formula->evaluate(place, time, dimension);
+  if (move.formula->uses_time() || time == 1) return displacement;
+  for (double &value : displacement) {
+    if (!Expression::is_free(value)) value *= time;
+  }
+  return displacement;
+}
+
+/// Throws InputError.
+void Constraints::hold_one(std::size_t which, double time, HeldDofs *held) {
+  const double tolerance = 1e-12 * box_of(*mesh_).diagonal();
+  for (const PetscInt v : vertices_[which]) {
+    const std::vector<double> displacement = target(which, v, time);
+    for (int i = 0; i < mesh_->dimension(); ++i) {
+      const auto dof = static_cast<std::size_t>(3 * v + i);
+      const double value = displacement[static_cast<std::size_t>(i)];
+      if (Expression::is_free(value)) continue;
+      if (held->held[dof] && std::abs(held->value[dof] - value) > tolerance) {
+        const auto &other = options_[static_cast<std::size_t>(holder_[dof])];
+        throw InputError(disagreement(*mesh_, v, other.name, options_[which].name, i));
+      }
+      if (held->held[dof]) continue;
+      held->held[dof] = 1;
+      held->value[dof] = value;
+      holder_[dof] = static_cast<int>(which);
+    }
+  }
+}
+
+/// Finds which moves are rigid: those of all components that do not depend on t.
+PetscErrorCode Constraints::find_rigid_moves() {
+  const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(mesh_->dm));
+  constexpr double rounding = 1e-9;
+  PetscFunctionBeginUser;
+  if (knows_rigid_moves_) PetscFunctionReturn(PETSC_SUCCESS);
+  knows_rigid_moves_ = true;
+  for (std::size_t which = 0; which < options_.size(); ++which) {
+    Move &move = moves_[which];
+    if (move.formula->uses_time()) continue;
+    std::vector<double> from, to;
+    PetscMPIInt is_whole = 1;
+    double deviation = 0;
+    const std::string complaint = complaint_of([&] {
+      for (const PetscInt v : vertices_[which]) {
+        if (!mesh_->owned[static_cast<std::size_t>(v)]) continue;
+        std::vector<double> displacement = target(which, v, 1);
+        displacement.resize(3, 0);
+        for (std::size_t i = 0; i < 3; ++i) {
+          is_whole = is_whole && !Expression::is_free(displacement[i]);
+          from.push_back(mesh_->coordinates[static_cast<std::size_t>(3 * v) + i]);
+          to.push_back(from.back() + displacement[i]);
+        }
+      }
+    });
+    PetscCall(agree_on_complaint(comm, complaint));
+    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &is_whole, 1, MPI_INT, MPI_MIN, comm));
+    if (!is_whole) continue;
+    PetscCall(fit_rigid_motion(comm, from, to, &move.motion, &deviation));
+    move.is_rigid = deviation <= rounding * box_of(*mesh_).diagonal();
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Constraints::hold(double time, HeldDofs *held) {
+  const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(mesh_->dm));
+  PetscFunctionBeginUser;
+  if (time < 1) PetscCall(find_rigid_moves());
+  *held = nothing_held(*mesh_);
+  holder_.assign(mesh_->coordinates.size(), -1);
+  for (std::size_t which = 0; which < options_.size(); ++which) {
+    const std::string complaint = complaint_of([&] { hold_one(which, time, held); });
+    PetscCall(agree_on_complaint(comm, complaint));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,17 +1,58 @@
 #pragma once
 
+#include <memory>
+#include <string>
 #include <vector>
 
 #include "assembly/discretization.hpp"
+#include "output/run_report.hpp"
+#include "scene/rigid_motion.hpp"
 #include "scene/scene_options.hpp"
+#include "scene/selection.hpp"
 
 namespace trefoil {
 
-/// Evaluates the constraints at the rest positions of the mesh's vertices. Collective. Errors, one
-/// sentence on all ranks: a malformed expression, a selection that catches no vertex, constraints
-/// that disagree on a vertex.
-PetscErrorCode hold_vertices(const Mesh &mesh, const std::vector<ConstraintOptions> &constraints,
-                             double time, HeldDofs *held);
+/// What the constraints of a scene take, chosen once, and where it goes as time passes.
+class Constraints {
+ public:
+  /// Chooses the vertices at their rest positions. Collective; `mesh` must outlive this. Errors,
+  /// one sentence on all ranks: a malformed formula, a choice that catches no vertex or depends on
+  /// t.
+  PetscErrorCode choose(const Mesh &mesh, const SceneOptions &options);
+
+  /// What is held at a time, and where. A move that does not depend on t is what it says at t = 1;
+  /// on the way there one that is rigid turns as a screw, and any other grows in proportion to t.
+  /// Collective. Errors: a malformed formula, constraints that disagree on a vertex.
+  PetscErrorCode hold(double time, HeldDofs *held);
+
+  /// Counts and areas; the reactions are not known here.
+  [[nodiscard]] const std::vector<ConstraintReport> &reports() const { return reports_; }
+  /// Sentences about choices that the tolerance would change.
+  [[nodiscard]] const std::vector<std::string> &warnings() const { return warnings_; }
+  /// Which constraint holds each local dof, in hold(); -1: none.
+  [[nodiscard]] const std::vector<int> &holder() const { return holder_; }
+
+ private:
+  /// What is known of a constraint's move.
+  struct Move {
+    std::unique_ptr<Expression> formula;
+    bool is_rigid = false;
+    RigidMotion motion;
+  };
+
+  [[nodiscard]] std::vector<double> target(std::size_t which, PetscInt vertex, double time) const;
+  PetscErrorCode find_rigid_moves();
+  void hold_one(std::size_t which, double time, HeldDofs *held);
+
+  const Mesh *mesh_ = nullptr;
+  std::vector<ConstraintOptions> options_;
+  std::vector<std::vector<PetscInt>> vertices_;  ///< local ones of each, ghosts included
+  std::vector<Move> moves_;
+  bool knows_rigid_moves_ = false;
+  std::vector<ConstraintReport> reports_;
+  std::vector<std::string> warnings_;
+  std::vector<int> holder_;
+};
 
 /// Refuses constraints that leave a rigid-body mode of the body, or of one of its connected parts,
 /// free: the Hessian would be singular. Collective.

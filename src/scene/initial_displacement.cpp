@@ -2,6 +2,7 @@
 
 #include "mesh/cell_list.hpp"
 #include "scene/expression.hpp"
+#include "scene/selection.hpp"
 #include "support/collective_error.hpp"
 #include "support/petsc_compatibility.hpp"
 
@@ -11,7 +12,7 @@ namespace {
 /// Displacements of the local vertices, 3 a vertex. Throws InputError.
 std::vector<double> evaluate(const std::string &text, const Mesh &mesh) {
   const std::string option = "-initial_displacement";
-  const Expression expression(text, option, mesh.box_min, mesh.box_max);
+  const Expression expression(text, option, box_of(mesh));
   std::vector<double> displacement;
   displacement.reserve(mesh.coordinates.size());
   for (PetscInt v = 0; v < mesh.local_vertices(); ++v) {

@@ -13,34 +13,31 @@ LoadPath::~LoadPath() {
 }
 
 PetscErrorCode LoadPath::check() {
-  const SceneOptions &options = scene_.options;
   const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(scene_.mesh.dm));
   HeldDofs first, last;
   std::vector<double> first_forces, last_forces;
   PetscMPIInt changes = 0;
   PetscFunctionBeginUser;
-  PetscCall(hold_vertices(scene_.mesh, options.constraints, 1. / steps_, &first));
-  PetscCall(hold_vertices(scene_.mesh, options.constraints, 1, &last));
-  if (options.loads.any()) {
-    PetscCall(evaluate_loads(scene_.mesh, options.loads, scene_.density_of_cell, 1. / steps_,
-                             &first_forces));
-    PetscCall(evaluate_loads(scene_.mesh, options.loads, scene_.density_of_cell, 1, &last_forces));
+  PetscCall(scene_.constraints.hold(1. / steps_, &first));
+  PetscCall(scene_.constraints.hold(1, &last));
+  if (scene_.loads.any()) {
+    PetscCall(scene_.loads.forces(1. / steps_, &first_forces));
+    PetscCall(scene_.loads.forces(1, &last_forces));
   }
   changes = first.value != last.value || first_forces != last_forces;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &changes, 1, MPI_INT, MPI_MAX, comm));
   PetscCheck(changes, comm, PETSC_ERR_USER_INPUT,
              "-load_steps %" PetscInt_FMT
-             " would repeat one solve: let a displacement or a load depend on t, which goes from "
-             "0 to 1, such as -constraint_NAME_move \"0, 0, 0.5*t\"",
+             " would repeat one solve: nothing is moved or loaded, or all that is stays the same "
+             "from t = 0 to 1",
              steps_);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode LoadPath::set_time(double time) {
-  const SceneOptions &options = scene_.options;
   HeldDofs held;
   PetscFunctionBeginUser;
-  PetscCall(hold_vertices(scene_.mesh, options.constraints, time, &held));
+  PetscCall(scene_.constraints.hold(time, &held));
   PetscCall(scene_.discretization.set_prescribed(held));
   PetscCall(scene_.functional->set_time(time));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -1,18 +1,58 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "mesh/mesh.hpp"
+#include "output/run_report.hpp"
 #include "scene/scene_options.hpp"
+#include "scene/selection.hpp"
 
 namespace trefoil {
 
-/// The forces of all loads at time t on the vertices that this rank owns, 3 a local vertex.
-/// Collective. Errors, one sentence on all ranks: a malformed expression, a load that takes no
-/// facet, gravity on a body without mass.
-/// @param density_of_cell mass per rest volume of each local cell
-PetscErrorCode evaluate_loads(const Mesh &mesh, const LoadOptions &loads,
-                              const std::vector<double> &density_of_cell, double time,
-                              std::vector<double> *forces);
+/// What pulls at a body: gravity, and loads on parts of its surface. Formulas that do not depend on
+/// t are scaled by it: at t = 1, where a scene is solved unless in steps, they are what they say.
+class Loads {
+ public:
+  /// Chooses the facets at rest. Collective; `mesh` must outlive this. Errors, one sentence on all
+  /// ranks: a malformed formula, a load that takes no facet, gravity on a body without mass.
+  /// @param density_of_cell mass per rest volume of each local cell
+  /// @param where_tolerance share of the box's diagonal, see Choice
+  PetscErrorCode choose(const Mesh &mesh, const LoadsOptions &options, double where_tolerance,
+                        std::vector<double> density_of_cell);
+
+  [[nodiscard]] bool any() const { return !options_.gravity.empty() || !chosen_.empty(); }
+
+  /// The forces at time t on the vertices that this rank owns, 3 a local vertex. Collective; a
+  /// malformed formula is an error with one sentence on all ranks.
+  PetscErrorCode forces(double time, std::vector<double> *forces);
+
+  /// Counts and areas, and with them force and moment at time t on the body displaced by u, 3 a
+  /// local vertex. Collective.
+  PetscErrorCode report(double time, const double *u, std::vector<LoadReport> *reports);
+
+  /// Sentences about choices that the tolerance would change.
+  [[nodiscard]] const std::vector<std::string> &warnings() const { return warnings_; }
+
+ private:
+  struct Chosen {
+    LoadOptions options;
+    Choice choice;
+    ChosenFacets facets;
+    bool moves = false;  ///< `where` depends on t
+  };
+
+  PetscErrorCode choose_facets_of(Chosen *load, double time);
+  PetscErrorCode add_load(Chosen &load, double time, std::vector<double> *forces);
+  PetscErrorCode add_gravity(double time, std::vector<double> *forces);
+  PetscErrorCode resultant(const std::vector<double> &forces, const double *u,
+                           Resultant *resultant) const;
+
+  const Mesh *mesh_ = nullptr;
+  LoadsOptions options_;
+  std::vector<Chosen> chosen_;
+  std::vector<double> density_of_cell_;
+  std::vector<std::string> warnings_;
+};
 
 }  // namespace trefoil

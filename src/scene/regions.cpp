@@ -6,6 +6,7 @@
 
 #include "mesh/group_members.hpp"
 #include "scene/expression.hpp"
+#include "scene/selection.hpp"
 #include "support/collective_error.hpp"
 #include "support/petsc_compatibility.hpp"
 #include "trefoil/input_error.hpp"
@@ -14,7 +15,7 @@ namespace trefoil {
 namespace {
 
 /// Which local cells a region takes. Throws InputError.
-std::vector<char> cells_of(const Mesh &mesh, const RegionOptions &region) {
+std::vector<char> cells_of(const Mesh &mesh, const RegionOptions &region, double tolerance) {
   const auto cells = static_cast<std::size_t>(mesh.local_cells());
   std::vector<char> taken(cells, 0);
   if (!region.group.empty()) {
@@ -23,21 +24,17 @@ std::vector<char> cells_of(const Mesh &mesh, const RegionOptions &region) {
                                            "-region_" + region.name + "_group"));
   }
   const std::string option = "-region_" + region.name + "_where";
-  const Expression where(region.where, option, mesh.box_min, mesh.box_max);
+  const Condition where(region.where, option, box_of(mesh), tolerance);
   for (std::size_t c = 0; c < cells; ++c) {
-    const double chosen = where.evaluate(centroid_of_cell(mesh, c).data(), 1, 1)[0];
-    if (Expression::is_free(chosen)) {
-      throw InputError(option + ": 'free' is for displacements, not for a choice of cells");
-    }
-    taken[c] = chosen != 0;
+    taken[c] = where.holds(centroid_of_cell(mesh, c).data(), 1);
   }
   return taken;
 }
 
 /// Gives a region its cells and counts them. Throws InputError where one is another's.
 PetscInt take(const Mesh &mesh, const std::vector<RegionOptions> &regions, std::size_t which,
-              std::vector<int> &region_of_cell) {
-  const std::vector<char> taken = cells_of(mesh, regions[which]);
+              double tolerance, std::vector<int> &region_of_cell) {
+  const std::vector<char> taken = cells_of(mesh, regions[which], tolerance);
   for (std::size_t c = 0; c < taken.size(); ++c) {
     if (!taken[c]) continue;
     const int other = region_of_cell[c];
@@ -57,14 +54,16 @@ PetscInt take(const Mesh &mesh, const std::vector<RegionOptions> &regions, std::
 }  // namespace
 
 PetscErrorCode assign_regions(const Mesh &mesh, const std::vector<RegionOptions> &regions,
-                              std::vector<int> *region_of_cell) {
+                              double where_tolerance, std::vector<int> *region_of_cell) {
   const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(mesh.dm));
   PetscFunctionBeginUser;
   region_of_cell->assign(static_cast<std::size_t>(mesh.local_cells()), 0);
   for (std::size_t which = 0; which < regions.size(); ++which) {
     PetscInt count = 0;
-    const std::string complaint =
-        complaint_of([&] { count = take(mesh, regions, which, *region_of_cell); });
+    const std::string complaint = complaint_of([&] {
+      count =
+          take(mesh, regions, which, where_tolerance * box_of(mesh).diagonal(), *region_of_cell);
+    });
     PetscCall(agree_on_complaint(comm, complaint));
     PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &count, 1, MPIU_INT, MPI_SUM, comm));
     const RegionOptions &region = regions[which];

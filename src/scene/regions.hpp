@@ -7,10 +7,11 @@
 
 namespace trefoil {
 
+/// @param where_tolerance share of the box's diagonal, see Choice
 /// For each local cell 0, or 1 + the number of the region that takes it. Collective. Errors, one
 /// sentence on all ranks: a malformed expression, a group that the mesh has not, a region that
 /// takes no cell, two regions that take the same one.
 PetscErrorCode assign_regions(const Mesh &mesh, const std::vector<RegionOptions> &regions,
-                              std::vector<int> *region_of_cell);
+                              double where_tolerance, std::vector<int> *region_of_cell);
 
 }  // namespace trefoil

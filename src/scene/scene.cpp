@@ -45,17 +45,50 @@ std::unique_ptr<Term> make_elastic_term(const SceneOptions &options, const Mesh 
 /// The term of the loads, where the options name any. Keeps `scene`, whose functional owns it.
 PetscErrorCode add_loads(const std::vector<int> &region_of_cell, Scene *scene) {
   const SceneOptions &options = scene->options;
-  std::vector<double> densities{options.material.density};
+  std::vector<double> densities{options.material.density}, density_of_cell;
   PetscFunctionBeginUser;
-  if (!options.loads.any()) PetscFunctionReturn(PETSC_SUCCESS);
   for (const RegionOptions &region : options.regions) densities.push_back(region.material.density);
   for (const int region : region_of_cell) {
-    scene->density_of_cell.push_back(densities[static_cast<std::size_t>(region)]);
+    density_of_cell.push_back(densities[static_cast<std::size_t>(region)]);
   }
-  scene->functional->add_term(std::make_unique<DeadLoadTerm>([scene](double time,
-                                                                     std::vector<double> *forces) {
-    return evaluate_loads(scene->mesh, scene->options.loads, scene->density_of_cell, time, forces);
-  }));
+  PetscCall(scene->loads.choose(scene->mesh, options.loads, options.where_tolerance,
+                                std::move(density_of_cell)));
+  if (!scene->loads.any()) PetscFunctionReturn(PETSC_SUCCESS);
+  scene->functional->add_term(
+      std::make_unique<DeadLoadTerm>([scene](double time, std::vector<double> *forces) {
+        return scene->loads.forces(time, forces);
+      }));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// One line for each constraint and load: what it takes.
+PetscErrorCode print_choices(MPI_Comm comm, Scene *scene) {
+  const bool plane = scene->mesh.dimension() == 2;
+  const char *size = plane ? "length" : "area";
+  std::vector<LoadReport> &loads = scene->load_reports;
+  PetscFunctionBeginUser;
+  for (const ConstraintReport &report : scene->constraints.reports()) {
+    PetscCall(PetscPrintf(comm, "%s: %lld %s, %s %.6g\n", report.name.c_str(),
+                          static_cast<long long>(report.vertices),
+                          report.vertices == 1 ? "vertex" : "vertices", size, report.area));
+  }
+  const std::vector<double> rest(scene->mesh.coordinates.size(), 0);
+  PetscCall(scene->loads.report(1, rest.data(), &loads));
+  for (const LoadReport &report : loads) {
+    const auto &force = report.resultant.force;
+    PetscCall(PetscPrintf(comm, "%s: ", report.name.c_str()));
+    if (report.facets > 0) {
+      PetscCall(PetscPrintf(comm, "%lld %s, %s %.6g, ", static_cast<long long>(report.facets),
+                            report.facets == 1 ? "facet" : "facets", size, report.area));
+    }
+    PetscCall(PetscPrintf(comm, "total force (%.6g, %.6g, %.6g)\n", force[0], force[1], force[2]));
+  }
+  for (const auto *warnings : {&scene->constraints.warnings(), &scene->loads.warnings()}) {
+    scene->warnings.insert(scene->warnings.end(), warnings->begin(), warnings->end());
+  }
+  for (const std::string &warning : scene->warnings) {
+    PetscCall(PetscPrintf(comm, "WARNING: %s\n", warning.c_str()));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -78,7 +111,8 @@ PetscErrorCode build_scene(MPI_Comm comm, const SceneOptions &options, Scene *sc
       comm, mesh, [&](const CellList &whole) { check_bent_cells(whole, mesh.name()); },
       &scene->mesh));
   PetscCall(PetscTime(&loaded));
-  PetscCall(hold_vertices(scene->mesh, options.constraints, 1, &held));
+  PetscCall(scene->constraints.choose(scene->mesh, options));
+  PetscCall(scene->constraints.hold(1, &held));
   PetscCall(check_rigid_body_modes(scene->mesh, held));
   PetscCall(scene->discretization.set_up(scene->mesh, held));
   PetscCheck(scene->discretization.total_dofs() > 0, comm, PETSC_ERR_USER_INPUT,
@@ -89,10 +123,11 @@ PetscErrorCode build_scene(MPI_Comm comm, const SceneOptions &options, Scene *sc
                           "1, with which algebraic multigrid is slower\n"));
   }
   scene->functional = std::make_unique<EnergyFunctional>(scene->discretization);
-  PetscCall(assign_regions(scene->mesh, options.regions, &region_of_cell));
+  PetscCall(assign_regions(scene->mesh, options.regions, options.where_tolerance, &region_of_cell));
   scene->functional->add_term(make_elastic_term(options, scene->mesh, region_of_cell));
   PetscCall(add_loads(region_of_cell, scene));
   PetscCall(scene->functional->set_time(1));
+  PetscCall(print_choices(comm, scene));
   PetscCall(scene->discretization.create_vector(&scene->displacement));
   PetscCall(scene->discretization.create_matrix(&scene->hessian));
   if (options.assembly == "split") PetscCall(scene->functional->prepare(scene->hessian));

@@ -3,6 +3,9 @@
 #include <memory>
 
 #include "assembly/energy_functional.hpp"
+#include "output/run_report.hpp"
+#include "scene/constraints.hpp"
+#include "scene/loads.hpp"
 #include "scene/scene_options.hpp"
 
 namespace trefoil {
@@ -13,7 +16,10 @@ struct Scene {
   Mesh mesh;
   Discretization discretization;
   std::unique_ptr<EnergyFunctional> functional;
-  std::vector<double> density_of_cell;  ///< mass per rest volume; empty without loads
+  Constraints constraints;
+  Loads loads;
+  std::vector<LoadReport> load_reports;  ///< at t = 1, on the body at rest
+  std::vector<std::string> warnings;
   Mat hessian = nullptr;
   Vec displacement = nullptr;  ///< the unknowns; the start, later the solution
   double read_seconds = 0, setup_seconds = 0;

@@ -70,7 +70,7 @@ std::vector<OptionRow> constraint_rows(ConstraintOptions &constraint) {
   };
 }
 
-std::vector<OptionRow> gravity_rows(LoadOptions &loads) {
+std::vector<OptionRow> gravity_rows(LoadsOptions &loads) {
   return {{"load_gravity",
            &loads.gravity,
            "Acceleration; needs -material_density",
@@ -79,7 +79,7 @@ std::vector<OptionRow> gravity_rows(LoadOptions &loads) {
            essential}};
 }
 
-std::vector<OptionRow> load_rows(TractionOptions &load) {
+std::vector<OptionRow> load_rows(LoadOptions &load) {
   const std::string option = "load_" + load.name;
   return {
       {option + "_where",
@@ -91,6 +91,13 @@ std::vector<OptionRow> load_rows(TractionOptions &load) {
       {option + "_traction",
        &load.traction,
        "Force per rest area, one formula a direction",
+       "force per area",
+       {},
+       essential},
+      {option + "_force", &load.force, "Whole force, spread by area", "force", {}, essential},
+      {option + "_pressure",
+       &load.pressure,
+       "Pressure, positive into the body",
        "force per area",
        {},
        essential},
@@ -109,6 +116,8 @@ std::vector<OptionRow> solve_rows(SceneOptions &options) {
       {"initial_steps", &options.initial_steps, "Local/global steps of -initial arap"},
       {"initial_displacement", &options.initial_displacement,
        "What -initial expression starts from, in x y z xmin..zmax", length},
+      {"where_tolerance", &options.where_tolerance,
+       "What ==, <= and >= of every `where` may be off", "share of the box's diagonal"},
       {"assembly",
        &options.assembly,
        "H and N at once, in batches; plain: by LAPACK and MatSetValues; hook: as a code that "
@@ -141,9 +150,9 @@ std::vector<OptionRow> solver_rows(SceneOptions &options) {
 std::vector<OptionGroup> scene_option_groups() {
   // Rows point to where their defaults stand, for as long as the program runs.
   static SceneOptions options;
-  static RegionOptions region{"NAME", "", "", {}};
-  static ConstraintOptions constraint{"NAME", "", ""};
-  static TractionOptions load{"NAME", "", ""};
+  static RegionOptions region{"NAME"};
+  static ConstraintOptions constraint{"NAME"};
+  static LoadOptions load{"NAME"};
   static MaterialInput material, region_material;
   static std::vector<std::string> none;
   material.model = options.material.model;

@@ -12,8 +12,8 @@ namespace trefoil {
 std::vector<OptionRow> mesh_rows(SceneOptions &options);
 std::vector<OptionRow> region_rows(RegionOptions &region);  ///< without its material's
 std::vector<OptionRow> constraint_rows(ConstraintOptions &constraint);
-std::vector<OptionRow> gravity_rows(LoadOptions &loads);
-std::vector<OptionRow> load_rows(TractionOptions &load);
+std::vector<OptionRow> gravity_rows(LoadsOptions &loads);
+std::vector<OptionRow> load_rows(LoadOptions &load);
 std::vector<OptionRow> solve_rows(SceneOptions &options);
 std::vector<OptionRow> output_rows(SceneOptions &options);
 /// Read here as well, though they are the solver's, who lists them.

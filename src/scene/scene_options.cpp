@@ -36,7 +36,7 @@ PetscErrorCode read_constraints(MPI_Comm comm, OptionReader &reader, SceneOption
   PetscFunctionBeginUser;
   PetscCall(reader.read(names_row("constraints", names)));
   for (const std::string &name : names) {
-    ConstraintOptions constraint{name, "", ""};
+    ConstraintOptions constraint{name};
     PetscCall(reader.read(constraint_rows(constraint)));
     PetscCheck(!constraint.where.empty(), comm, PETSC_ERR_USER_INPUT,
                "constraint '%s' has no -constraint_%s_where: say which vertices it takes",
@@ -46,7 +46,7 @@ PetscErrorCode read_constraints(MPI_Comm comm, OptionReader &reader, SceneOption
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode read_loads(MPI_Comm comm, OptionReader &reader, LoadOptions *loads) {
+PetscErrorCode read_loads(MPI_Comm comm, OptionReader &reader, LoadsOptions *loads) {
   std::vector<std::string> names;
   PetscFunctionBeginUser;
   PetscCall(reader.read(gravity_rows(*loads)));
@@ -56,13 +56,14 @@ PetscErrorCode read_loads(MPI_Comm comm, OptionReader &reader, LoadOptions *load
                "'%s' is no name for a load: -load_%s is an option of its own, in a scene file "
                "load: {%s: ...}",
                name.c_str(), name.c_str(), name.c_str());
-    TractionOptions load{name, "", ""};
+    LoadOptions load{name};
     PetscCall(reader.read(load_rows(load)));
-    PetscCheck(!load.where.empty() && !load.traction.empty(), comm, PETSC_ERR_USER_INPUT,
-               "load '%s' needs -load_%s_where and -load_%s_traction: say which facets it takes "
-               "and how it pulls at them",
-               name.c_str(), name.c_str(), name.c_str());
-    loads->tractions.push_back(load);
+    const char *of = name.c_str();
+    PetscCheck(!load.where.empty() && load.pulls(), comm, PETSC_ERR_USER_INPUT,
+               "load '%s' needs -load_%s_where and one of -load_%s_traction, -load_%s_force, "
+               "-load_%s_pressure: say which facets it takes and how it pulls at them",
+               of, of, of, of, of);
+    loads->loads.push_back(load);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -146,6 +147,10 @@ PetscErrorCode check_values(MPI_Comm comm, const SceneOptions &options) {
              options.order);
   PetscCheck(options.load_steps > 0, comm, PETSC_ERR_USER_INPUT,
              "-load_steps is %" PetscInt_FMT "; give 1 or more", options.load_steps);
+  PetscCheck(options.where_tolerance >= 0 && options.where_tolerance < 1, comm,
+             PETSC_ERR_USER_INPUT,
+             "-where_tolerance is %g; it is a share of the box's diagonal, from 0 to 1",
+             options.where_tolerance);
   PetscCall(check_start(comm, options));
   PetscCall(check_files(comm, options));
   PetscFunctionReturn(PETSC_SUCCESS);

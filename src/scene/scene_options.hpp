@@ -12,32 +12,37 @@ namespace trefoil {
 /// Part of a boundary condition: which vertices, and where they go.
 struct ConstraintOptions {
   std::string name;
-  std::string where;  ///< expression, non-zero at the vertices it takes
-  std::string move;   ///< expression with a value for each dimension, or `free`; empty: zero
+  std::string where = {};  ///< expression, non-zero at the vertices it takes
+  std::string move = {};   ///< expression with a value for each dimension, or `free`; empty: zero
 };
 
 /// A part of the body with a material of its own: the cells where an expression holds, or those of
 /// one of the mesh file's groups.
 struct RegionOptions {
   std::string name;
-  std::string where;  ///< expression, non-zero at the rest centroids of its cells; or
-  std::string group;  ///< name or number of a physical group of the mesh file
-  MaterialOptions material;
+  std::string where = {};  ///< expression, non-zero at the rest centroids of its cells; or
+  std::string group = {};  ///< name or number of a physical group of the mesh file
+  MaterialOptions material = {};
 };
 
-/// A dead load on a part of the surface.
-struct TractionOptions {
-  std::string name;
-  std::string where;     ///< expression, non-zero at all corners of the facets it takes
-  std::string traction;  ///< expression with a value for each dimension: force per rest area
-};
-
-/// What pulls at the body. All expressions may depend on t.
+/// A load on a part of the surface. All formulas may depend on t.
 struct LoadOptions {
-  std::string gravity;  ///< expression with a value for each dimension: acceleration; empty: none
-  std::vector<TractionOptions> tractions;
+  std::string name;
+  std::string where = {};     ///< formula, non-zero at all corners of the facets it takes
+  std::string traction = {};  ///< formula with a value for each dimension: force per rest area
+  std::string force = {};     ///< the same: the whole force, which is spread by area
+  std::string pressure =
+      {};  ///< formula with one value, positive into the body: force per rest area
 
-  [[nodiscard]] bool any() const { return !gravity.empty() || !tractions.empty(); }
+  [[nodiscard]] bool pulls() const {
+    return !traction.empty() || !force.empty() || !pressure.empty();
+  }
+};
+
+/// What pulls at the body.
+struct LoadsOptions {
+  std::string gravity = {};  ///< formula with a value for each dimension: acceleration; empty: none
+  std::vector<LoadOptions> loads = {};
 };
 
 /// A scene as the user describes it, see scene_option_groups() for the names of the options.
@@ -50,7 +55,8 @@ struct SceneOptions {
   MaterialOptions material;
   std::vector<RegionOptions> regions;
   std::vector<ConstraintOptions> constraints;
-  LoadOptions loads;
+  LoadsOptions loads;
+  double where_tolerance = 1e-9;  ///< of every `where`: ==, <= and >= hold within, box diagonals
   PetscInt load_steps = 1;
   std::string initial = "auto";
   std::string initial_displacement;      ///< expression, for initial `expression`

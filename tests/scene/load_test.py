@@ -140,6 +140,41 @@ class LoadSteps(unittest.TestCase):
             "-loads", "top", "-load_top_where", "z == zmax", "-load_top_traction", "0, 0, -3e5*t",
             "-load_gravity", "2*t, 0, 0", "-material_density", "1e3", "-material_model", "arap"], 2)
 
+    def test_what_has_no_time_grows_in_proportion(self):
+        """The same way, step by step, as with a factor of t in every formula."""
+        for scene, factor in (
+                (["-constraint_high_move", "0.2{0}, 0, -0.5*z{0}", "-material_model", "arap"], "*t"),
+                (["-load_gravity", "2{0}, 0, 0", "-material_density", "1e3",
+                  "-loads", "top", "-load_top_where", "z == zmax", "-load_top_traction",
+                  "0, 0, -3e5{0}", "-material_model", "arap"], "*t")):
+            ways = [record_of([*ENDS, *TIGHT, "-load_steps", "3",
+                               *(word.format(each) for word in scene)]) for each in (factor, "")]
+            self.assertEqual(*(way["result"]["load_step_iterations"] for way in ways))
+            for one, other in zip(*(way["history"] for way in ways)):
+                self.assertEqual(one["load_step"], other["load_step"])
+                self.assertLessEqual(abs(one["energy"] - other["energy"]),
+                                     1e-9 * abs(energy(ways[0])))
+
+    def test_a_rigid_move_turns(self):
+        """Half a turn in 4 steps: 45 degrees after the first, as a formula in t has it, and not a
+        body that is crushed on the straight way."""
+        angle = "pi*t"
+        turned = f"0.3*t, (y-0.5)*cos({angle})-(z-0.5)*sin({angle})+0.5-y, " \
+                 f"(y-0.5)*sin({angle})+(z-0.5)*cos({angle})+0.5-z"
+        at_once = "0.3, 1-2*y, 1-2*z"
+        scene = ["-mesh_generate", "box", "-mesh_resolution", "4", "-constraints", "low,high",
+                 "-constraint_low_where", "x == xmin", "-constraint_high_where", "x == xmax",
+                 "-load_steps", "4", *TIGHT]
+        for ranks in (1, 2):
+            written, rigid = (record_of([*scene, "-constraint_high_move", move], ranks)
+                              for move in (turned, at_once))
+            self.assertEqual((written["status"], rigid["status"]), (0, 0))
+            self.assertEqual(written["result"]["load_step_iterations"],
+                             rigid["result"]["load_step_iterations"])
+            self.assertLess(abs(energy(written) / energy(rigid) - 1), 1e-9)
+            for one, other in zip(written["history"], rigid["history"]):
+                self.assertLess(abs(one["energy"] / other["energy"] - 1), 1e-7)
+
     def test_a_step_that_does_not_converge_ends_the_way(self):
         record = record_of(ENDS + ["-constraint_high_move", "0.2*t, 0, -0.5*t", "-load_steps", "3",
                                    "-snes_max_it", "1"])

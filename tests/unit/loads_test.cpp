@@ -35,8 +35,10 @@ class LoadsTest : public testing::TestWithParam<Element> {
     density_.assign(static_cast<std::size_t>(mesh_.local_cells()), 1);
   }
 
-  void evaluate(const LoadOptions &loads, double time = 1) {
-    ASSERT_EQ(evaluate_loads(mesh_, loads, density_, time, &forces_), PETSC_SUCCESS);
+  void evaluate(const LoadsOptions &options, double time = 1) {
+    Loads loads;
+    ASSERT_EQ(loads.choose(mesh_, options, 1e-9, density_), PETSC_SUCCESS);
+    ASSERT_EQ(loads.forces(time, &forces_), PETSC_SUCCESS);
   }
   /// Tractions on the whole side x = 1; two values in the plane, three in space.
   void pull(const std::string &two, const std::string &third, double time = 1) {
