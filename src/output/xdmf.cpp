@@ -1,12 +1,74 @@
 #include "output/xdmf.hpp"
 
+#include <cstdio>
 #include <sstream>
 
-namespace trefoil::xdmf {
+#include "output/hdf5_file.hpp"
+
+namespace trefoil {
 namespace {
 
-/// Text as it may stand in an XML attribute or between tags.
-std::string escaped(const std::string &text) {
+/// An array of rows x columns, or a plain list where there is one column.
+std::string data_item(const std::string &number, PetscInt rows, int columns,
+                      const std::string &data_file, const std::string &dataset) {
+  std::ostringstream text;
+  text << "<DataItem Format=\"HDF\" " << number << " Dimensions=\"" << rows;
+  if (columns > 1) text << ' ' << columns;
+  text << "\">" << escaped_for_xml(data_file + ":" + dataset) << "</DataItem>";
+  return text.str();
+}
+
+const char *attribute_type(int components) {
+  switch (components) {
+    case 1:
+      return "Scalar";
+    case 3:
+      return "Vector";
+    case 6:
+      return "Tensor6";
+    case 9:
+      return "Tensor";
+    default:
+      return "Matrix";
+  }
+}
+
+/// A number that reads back as it was.
+std::string exactly(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.17g", value);
+  return text;
+}
+
+std::string describe(const std::string &data_file, const ArrangedMesh &mesh,
+                     const XdmfState &state) {
+  const std::string integer =
+      "NumberType=\"Int\" Precision=\"" + std::to_string(sizeof(PetscInt)) + "\"";
+  const std::string real = R"(NumberType="Float" Precision="8")";
+  const std::string root = "/";
+  std::ostringstream text;
+  text << "    <Grid Name=\"body\" GridType=\"Uniform\">\n";
+  if (state.has_time) text << "      <Time Value=\"" << exactly(state.t) << "\"/>\n";
+  text << "      <Topology TopologyType=\"" << mesh.shape->xdmf << "\" NumberOfElements=\""
+       << mesh.total_cells << "\">\n        "
+       << data_item(integer, mesh.total_cells, mesh.shape->nodes, data_file, root + cells_dataset)
+       << "\n      </Topology>\n      <Geometry GeometryType=\"XYZ\">\n        "
+       << data_item(real, mesh.total_points, 3, data_file, root + points_dataset)
+       << "\n      </Geometry>\n";
+  for (const FieldKind &field : state.fields)
+    text << "      <Attribute Name=\"" << escaped_for_xml(field.name) << "\" AttributeType=\""
+         << attribute_type(field.components) << "\" Center=\""
+         << (field.on_vertices ? "Node" : "Cell") << "\">\n        "
+         << data_item(real, field.on_vertices ? mesh.total_points : mesh.total_cells,
+                      field.components, data_file, dataset_of(state.prefix, field))
+         << "\n      </Attribute>\n";
+  text << "    </Grid>\n";
+  return text.str();
+}
+
+}  // namespace
+
+std::string escaped_for_xml(const std::string &text) {
   std::string result;
   for (const char letter : text)
     result += letter == '&'   ? "&amp;"
@@ -17,55 +79,16 @@ std::string escaped(const std::string &text) {
   return result;
 }
 
-/// An array of rows x columns, or a plain list where there is one column.
-std::string data_item(const std::string &number, PetscInt64 rows, int columns,
-                      const std::string &data_file, const std::string &dataset) {
-  std::ostringstream text;
-  text << "<DataItem Format=\"HDF\" " << number << " Dimensions=\"" << rows;
-  if (columns > 1) text << ' ' << columns;
-  text << "\">" << escaped(data_file + ":" + dataset) << "</DataItem>";
-  return text.str();
+std::string describe_in_xdmf(const std::string &data_file, const ArrangedMesh &mesh,
+                             const std::vector<XdmfState> &states) {
+  const bool is_series = !states.empty() && states.front().has_time;
+  std::string text =
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<Xdmf Version=\"3.0\">\n  <Domain>\n";
+  if (is_series)
+    text += "    <Grid Name=\"states\" GridType=\"Collection\" CollectionType=\"Temporal\">\n";
+  for (const XdmfState &state : states) text += describe(data_file, mesh, state);
+  if (is_series) text += "    </Grid>\n";
+  return text + "  </Domain>\n</Xdmf>\n";
 }
 
-}  // namespace
-
-const char *group_of(const Snapshot::Field &field) {
-  return field.on_vertices ? "/vertex_fields" : "/cell_fields";
-}
-
-std::string describe(const std::string &data_file, const Snapshot &snapshot, const Totals &totals) {
-  const std::string integer =
-      "NumberType=\"Int\" Precision=\"" + std::to_string(sizeof(PetscInt)) + "\"";
-  const std::string real = R"(NumberType="Float" Precision="8")";
-  const char *shape = snapshot.corners == 4    ? "Tetrahedron"
-                      : snapshot.corners == 10 ? "Tetrahedron_10"
-                      : snapshot.corners == 6  ? "Triangle_6"
-                                               : "Triangle";
-
-  std::ostringstream text;
-  text << R"(<?xml version="1.0" encoding="UTF-8"?>
-<Xdmf Version="3.0">
-  <Domain>
-    <Grid Name="body" GridType="Uniform">
-      <Topology TopologyType=")"
-       << shape << R"(" NumberOfElements=")" << totals.cells << "\">\n        "
-       << data_item(integer, totals.cells, snapshot.corners, data_file,
-                    std::string("/") + cells_dataset)
-       << R"(
-      </Topology>
-      <Geometry GeometryType="XYZ">
-        )"
-       << data_item(real, totals.points, coordinates, data_file, std::string("/") + points_dataset)
-       << "\n      </Geometry>\n";
-  for (const auto &field : snapshot.fields)
-    text << "      <Attribute Name=\"" << escaped(field.name) << "\" AttributeType=\""
-         << (field.components == 1 ? "Scalar" : "Vector") << "\" Center=\""
-         << (field.on_vertices ? "Node" : "Cell") << "\">\n        "
-         << data_item(real, field.on_vertices ? totals.points : totals.cells, field.components,
-                      data_file, std::string(group_of(field)) + "/" + field.name)
-         << "\n      </Attribute>\n";
-  text << "    </Grid>\n  </Domain>\n</Xdmf>\n";
-  return text.str();
-}
-
-}  // namespace trefoil::xdmf
+}  // namespace trefoil

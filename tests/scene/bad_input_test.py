@@ -418,7 +418,7 @@ OUTPUTS = [
     ("directory in the way", scene(output_file="../directory.xdmf"),
      ["../directory.xdmf", "directory"]),
     ("directory in the data's way", scene(output_file="../data.xdmf"), ["../data.h5", "directory"]),
-    ("another ending", scene(output_file="run.vtu"), ["run.vtu", ".xdmf"]),
+    ("another ending", scene(output_file="run.vtk"), ["run.vtk", ".xdmf"]),
     ("no name", scene(output_file=None) + ["-output_file"], ["-output_file", "without a value"]),
     ("record without directory", scene(snes_trefoil_record="nowhere/run.json"),
      ["nowhere/run.json", "No such file or directory"]),

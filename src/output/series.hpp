@@ -1,0 +1,40 @@
+#pragma once
+
+#include <memory>
+
+#include "output/snapshot.hpp"
+
+namespace trefoil {
+
+/// States of one mesh, one after the other, in one output. After every state the files are whole: a
+/// run that is killed leaves what it had.
+///
+/// - `.xdmf`: a temporal collection; the HDF5 file has the mesh once (/points, /cells) and a group
+/// for
+///   each state (/step0/vertex_fields/displacement). The description is written beside and renamed
+///   each time, after the data that it names.
+/// - `.vtu`: a file for each state (name_0000.vtu), which name.pvd lists by time, and name.vtu,
+/// which
+///   is the last one's.
+class Series {
+ public:
+  Series();
+  ~Series();
+  Series(const Series &) = delete;
+  Series &operator=(const Series &) = delete;
+
+  /// Takes a mesh; writes nothing yet. Collective. The ending of `path` decides on the format.
+  PetscErrorCode open(MPI_Comm comm, const std::string &path, const OutputMesh &mesh);
+
+  /// Writes the state at time t. Collective; errors as those of write_snapshot().
+  PetscErrorCode append(double t, const std::vector<Field> &fields);
+
+  /// Writes a single state, to which time means nothing; nothing can be appended to it.
+  PetscErrorCode write_only(const std::vector<Field> &fields);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace trefoil
