@@ -77,6 +77,11 @@ def step_charts(record, units):
     if reactions:
         parts.append(line_chart("Reactions over the steps", reactions, "t",
                                 "size of the reaction" + (f" [{force}]" if force else "")))
+    probes = [Series(name, t, [_length(step["probes"][name]) for step in steps])
+              for name in steps[-1].get("probes") or {}]
+    if probes:
+        parts.append(line_chart("Displacements of the probes over the steps", probes, "t",
+                                "size of the displacement" + (f" [{units.length}]" if units.length else "")))
     if steps[-1].get("kinetic_energy") is not None:
         parts.append(line_chart("Energies over time", [
             Series(words, t, [step.get(key, float("nan")) for step in steps])

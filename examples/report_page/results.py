@@ -8,8 +8,8 @@ SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 # Keys of `result`: words, quantity. What is not there is not shown.
 RESULTS = [("strain_energy", "strain energy", "energy"), ("load_work", "work of the loads", "energy"),
            ("energy", "energy that was minimised", "energy"), ("volume", "volume", "volume"),
-           ("mass", "mass", ""), ("least_determinant_F", "least det F", "1"),
-           ("least_det_F", "least det F", "1"), ("largest_displacement", "largest displacement", "length"),
+           ("least_det_F", "least det F", "1"),
+           ("largest_displacement", "largest displacement", "length"),
            ("largest_von_mises", "largest von Mises stress", "stress"),
            ("inverted", "inverted elements", "1"), ("gradient_norm", "gradient norm", "force"),
            ("newton_decrement", "Newton decrement", "energy")]
@@ -127,9 +127,7 @@ def _value(value, unit):
     """A number, or an object with a number and where it is."""
     if not isinstance(value, dict):
         return with_unit(value, unit)
-    amount = next((each for each in value.values() if isinstance(each, (int, float))), None)
-    place = next((each for each in value.values() if isinstance(each, list)), None)
-    return with_unit(amount, unit) + (f" at {vector(place)}" if place else "")
+    return with_unit(value["value"], unit) + f" at {vector(value['at'])}"
 
 
 def forces_tables(record, units):
@@ -141,7 +139,8 @@ def forces_tables(record, units):
 
     regions = "" if len(record.get("regions") or []) < 2 else named("regions", "Regions", [
         ("cells", "cells", ""), ("volume", "volume", "volume"), ("mass", "mass", "")])
-    probes = [{"name": name, "displacement": value} for name, value in _probes(record).items()]
+    probes = [{"name": name, "displacement": value}
+              for name, value in (record.get("result", {}).get("probes") or {}).items()]
     return (named("constraints", "Constraints", [
         ("vertices", "vertices", ""), ("area", "area", "area"), ("reaction", "reaction", "force"),
         ("moment", "moment about the origin", "moment")])
@@ -161,15 +160,6 @@ def _table_of(rows, name, columns):
              + [vector(row[key]) if isinstance(row.get(key), list) else number(row.get(key))
                 for key, _ in columns] for row in rows]
     return table(shown, [name[:-1].lower()] + [words for _, words in columns], name)
-
-
-def _probes(record):
-    """Displacements by name of the probe, at the end."""
-    probes = record.get("probes") or (record.get("steps") or [{}])[-1].get("probes") or {}
-    if isinstance(probes, list):
-        probes = {each["name"]: each.get("displacement") for each in probes}
-    return {name: value["displacement"] if isinstance(value, dict) else value
-            for name, value in probes.items() if value is not None}
 
 
 def steps_table(record):

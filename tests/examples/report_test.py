@@ -146,7 +146,7 @@ class Parts(unittest.TestCase):
         more = results.forces_tables({
             "constraints": [{"name": "wall", "vertices": 3, "reaction": [1e-15, 0, 4.5], "moment": [0, 0, 0]}],
             "loads": [{"name": "<hook>", "facets": 2, "area": 1.0, "force": [0, 0, -4.5]}],
-            "steps": [{"t": 1, "probes": {"tip": [1, 2, 3]}}]}, units)
+            "result": {"probes": {"tip": [1, 2, 3]}}}, units)
         for words in ("reaction [N]", "(0, 0, 4.5)", "&lt;hook&gt;", "area [mm²]", "(1, 2, 3)"):
             self.assertIn(words, more)
 
