@@ -87,7 +87,11 @@ int main(int argc, char **argv)
   PetscCall(PetscInitialize(&argc, &argv, NULL, help));
   PetscCall(PetscOptionsGetReal(NULL, NULL, "-stretch", &stretch, NULL));
   PetscCall(PetscOptionsGetReal(NULL, NULL, "-poisson", &poisson, NULL));
+#if PETSC_VERSION_LT(3, 22, 0)
   PetscCall(DMPlexCreateBoxMesh(PETSC_COMM_WORLD, 3, PETSC_FALSE, faces, NULL, NULL, NULL, PETSC_TRUE, &dm));
+#else
+  PetscCall(DMPlexCreateBoxMesh(PETSC_COMM_WORLD, 3, PETSC_FALSE, faces, NULL, NULL, NULL, PETSC_TRUE, 0, PETSC_FALSE, &dm));
+#endif
   PetscCall(DMSetFromOptions(dm));
 
   PetscCall(PetscFECreateLagrange(PETSC_COMM_WORLD, 3, 3, PETSC_FALSE, 1, PETSC_DETERMINE, &fe));
@@ -103,7 +107,11 @@ int main(int argc, char **argv)
   PetscCall(DMGetLabel(dm, "Face Sets", &label));
   PetscCall(DMAddBoundary(dm, DM_BC_ESSENTIAL, "bottom", label, 1, &bottom, 0, 0, NULL, (void (*)(void))Hold, NULL, NULL, NULL));
   PetscCall(DMAddBoundary(dm, DM_BC_ESSENTIAL, "top", label, 1, &top, 0, 0, NULL, (void (*)(void))Pull, NULL, &stretch, NULL));
+#if PETSC_VERSION_LT(3, 21, 0)
   PetscCall(DMPlexSetSNESLocalFEM(dm, NULL, NULL, NULL));
+#else
+  PetscCall(DMPlexSetSNESLocalFEM(dm, PETSC_FALSE, NULL));
+#endif
 
   PetscCall(SNESCreate(PETSC_COMM_WORLD, &snes));
   PetscCall(SNESSetDM(snes, dm));

@@ -23,10 +23,9 @@ PetscErrorCode ElementHook::flush_stash(Mat negative) {
 /// Brings N up to what was seen, made where any rank has an element with a negative part, or where
 /// it is `needed`.
 PetscErrorCode ElementHook::assemble_negative(Mat matrix, bool needed) {
-  PetscBool any =
-      needed || counts_.indefinite + counts_.negative_diagonals > 0 ? PETSC_TRUE : PETSC_FALSE;
+  int any = needed || counts_.indefinite + counts_.negative_diagonals > 0;
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &any, 1, MPIU_BOOL, MPI_LOR,
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &any, 1, MPI_INT, MPI_LOR,
                              PetscObjectComm(reinterpret_cast<PetscObject>(matrix))));
   if (any && !negative_) PetscCall(duplicate_pattern(matrix, &negative_));
   if (negative_) PetscCall(flush_stash(negative_));

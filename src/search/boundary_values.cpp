@@ -43,25 +43,25 @@ PetscErrorCode find_lone_rows(Mat H, Vec like, std::vector<char> *alone) {
 PetscErrorCode keep_moved(Vec d, std::vector<char> *rows, bool *any) {
   const PetscScalar *y = nullptr;
   PetscReal largest = 0;
-  PetscBool found = PETSC_FALSE;
+  int found = 0;
   PetscFunctionBegin;
   PetscCall(VecNorm(d, NORM_INFINITY, &largest));
   PetscCall(VecGetArrayRead(d, &y));
   for (std::size_t i = 0; i < rows->size(); ++i) {
     (*rows)[i] = (*rows)[i] && std::abs(PetscRealPart(y[i])) > 1e-9 * largest;
-    if ((*rows)[i]) found = PETSC_TRUE;
+    if ((*rows)[i]) found = 1;
   }
   PetscCall(VecRestoreArrayRead(d, &y));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &found, 1, MPIU_BOOL, MPI_LOR,
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &found, 1, MPI_INT, MPI_LOR,
                              PetscObjectComm(reinterpret_cast<PetscObject>(d))));
-  *any = found == PETSC_TRUE;
+  *any = found != 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /// Whether a full step takes the residual of any of these rows away, on any rank.
 PetscErrorCode full_step_meets(LineSearchState &state, const std::vector<char> &rows, bool *meets) {
   const PetscScalar *before = nullptr, *after = nullptr;
-  PetscBool found = PETSC_FALSE;
+  int found = 0;
   PetscFunctionBegin;
   PetscCall(VecWAXPY(state.trial, 1, state.d, state.x));
   PetscCall(state.f.gradient(state.trial, state.trial_residual));
@@ -69,13 +69,13 @@ PetscErrorCode full_step_meets(LineSearchState &state, const std::vector<char> &
   PetscCall(VecGetArrayRead(state.trial_residual, &after));
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const double left = std::abs(PetscRealPart(after[i])), was = std::abs(PetscRealPart(before[i]));
-    if (rows[i] && left <= 1e-3 * was) found = PETSC_TRUE;
+    if (rows[i] && left <= 1e-3 * was) found = 1;
   }
   PetscCall(VecRestoreArrayRead(state.trial_residual, &after));
   PetscCall(VecRestoreArrayRead(state.residual, &before));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &found, 1, MPIU_BOOL, MPI_LOR,
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &found, 1, MPI_INT, MPI_LOR,
                              PetscObjectComm(reinterpret_cast<PetscObject>(state.x))));
-  *meets = found == PETSC_TRUE;
+  *meets = found != 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -94,7 +94,7 @@ PetscErrorCode check_direction(SNES snes, Rule &rule, FilteredJacobian &jacobian
       break;
     case DirectionStatus::not_finite:
       record.reason = "the energy or the direction is not finite";
-      *reason = SNES_DIVERGED_FNORM_NAN;
+      *reason = SNES_DIVERGED_FUNCTION_NANORINF;
       break;
     case DirectionStatus::indefinite:
       record.reason =

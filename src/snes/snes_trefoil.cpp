@@ -68,7 +68,7 @@ PetscErrorCode SNESCreate_Trefoil(SNES snes) {
   // A tiny step of a damped search is no convergence, and energies may rise far from the start.
   PetscCall(SNESGetTolerances(snes, &absolute, &relative, nullptr, nullptr, &functions));
   PetscCall(SNESSetTolerances(snes, absolute, relative, 0, 200, functions));
-  PetscCall(SNESSetDivergenceTolerance(snes, -1));
+  PetscCall(SNESSetDivergenceTolerance(snes, PETSC_UNLIMITED));
   PetscCall(trefoil::get_solver(snes, &solver));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

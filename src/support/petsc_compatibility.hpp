@@ -8,6 +8,14 @@
 #define PETSC_SUCCESS 0
 #endif
 
+#if PETSC_VERSION_LT(3, 25, 0)
+#define SNES_DIVERGED_FUNCTION_NANORINF SNES_DIVERGED_FNORM_NAN
+#endif
+
+#if PETSC_VERSION_LT(3, 22, 0)
+#define PETSC_UNLIMITED (-1)
+#endif
+
 #if PETSC_VERSION_LT(3, 23, 0)
 #define TREFOIL_CONTEXT_DESTROY(name, argument) static PetscErrorCode name(void *argument)
 #define TREFOIL_CONTEXT_OF(type, argument) static_cast<type *>(argument)

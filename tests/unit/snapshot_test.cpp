@@ -244,7 +244,11 @@ class SnapshotTest : public testing::Test {
     for (const bool only_asked : {true, false}) {
       EXPECT_EQ(only_asked ? check_writable(PETSC_COMM_WORLD, path) : write(path, part),
                 PETSC_ERR_FILE_OPEN);
+#if PETSC_VERSION_LT(3, 25, 0)
       char *sentence = nullptr;
+#else
+      const char *sentence = nullptr;
+#endif
       EXPECT_EQ(PetscErrorMessage(PETSC_ERR_FILE_OPEN, nullptr, &sentence), PETSC_SUCCESS);
       ASSERT_NE(sentence, nullptr);
       EXPECT_NE(std::string(sentence).find(words), std::string::npos) << sentence;

@@ -25,7 +25,8 @@ struct Findings {
 void make_quadratic(const MeshOptions &options, CellList &whole) {
   const PetscInt refine = options.file.empty() ? 0 : options.refine;
   for (PetscInt level = 0; level < refine && !is_quadratic(*whole.shape); ++level) {
-    if (8. * whole.shape->children * static_cast<double>(whole.cells.size()) > PETSC_MAX_INT)
+    if (8. * whole.shape->children * static_cast<double>(whole.cells.size()) >
+        static_cast<double>(PETSC_MAX_INT))
       throw InputError("-mesh_refine " + std::to_string(refine) +
                        " would make more cells than can be numbered; refine less");
     refine_uniformly(whole);
@@ -63,9 +64,9 @@ PetscErrorCode check_refined_size(MPI_Comm comm, const CellList &whole, PetscInt
              "-mesh_refine works on linear cells, and the mesh's are quadratic; refine it in the "
              "mesher, or give -order 1");
   const double entries = 4. * shape[0] * std::pow(8., refine);
-  PetscCheck(entries < PETSC_MAX_INT, comm, PETSC_ERR_USER_INPUT,
+  PetscCheck(entries < static_cast<double>(PETSC_MAX_INT), comm, PETSC_ERR_USER_INPUT,
              "-mesh_refine %" PetscInt_FMT " would make more than %.1g tetrahedra; refine less",
-             refine, PETSC_MAX_INT / 4.);
+             refine, static_cast<double>(PETSC_MAX_INT) / 4);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
