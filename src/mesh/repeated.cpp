@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <numeric>
+#include <utility>
 
 #include "mesh/check_mesh.hpp"
 
@@ -14,41 +16,52 @@ std::vector<PetscInt> sorted(const PetscInt *nodes, int count) {
   return vertices;
 }
 
-/// A number that depends on which vertices there are, not on their order; those of different
-/// vertices are hardly ever the same.
-std::uint64_t hash(const PetscInt *nodes, int count) {
-  std::uint64_t sum = 0;
-  for (int k = 0; k < count; ++k) {
-    std::uint64_t bits = static_cast<std::uint64_t>(nodes[k]) + 0x9e3779b97f4a7c15U;
-    bits = (bits ^ bits >> 30) * 0xbf58476d1ce4e5b9U;
-    bits = (bits ^ bits >> 27) * 0x94d049bb133111ebU;
-    sum += bits ^ bits >> 31;
-  }
-  return sum;
-}
+/// The entries, `width` vertices each, sorted by the least of their first `corners` vertices: those
+/// of vertex v stand from start[v] to start[v + 1].
+struct ByLeastVertex {
+  std::vector<std::size_t> start;
+  std::vector<PetscInt> entries;
 
-/// For each of the entries, `width` vertices each, the first one that has the same first `corners`
-/// vertices in any order; itself where it is that.
-std::vector<PetscInt> first_of_same(const std::vector<PetscInt> &vertices, int width, int corners) {
-  std::vector<std::pair<std::uint64_t, PetscInt>> order;
-  order.reserve(vertices.size() / static_cast<std::size_t>(width));
-  const auto entry = [&](PetscInt e) { return &vertices[static_cast<std::size_t>(width * e)]; };
-  for (PetscInt e = 0; e < static_cast<PetscInt>(vertices.size()) / width; ++e) {
-    order.emplace_back(hash(entry(e), corners), e);
+  ByLeastVertex(const std::vector<PetscInt> &vertices, int width, int corners) {
+    if (vertices.empty()) return;
+    const auto count = static_cast<PetscInt>(vertices.size()) / width;
+    const auto least = [&](PetscInt e) {
+      const PetscInt *entry = &vertices[static_cast<std::size_t>(width * e)];
+      return static_cast<std::size_t>(*std::min_element(entry, entry + corners));
+    };
+    const auto most = *std::max_element(vertices.begin(), vertices.end());
+    start.assign(static_cast<std::size_t>(most) + 2, 0);
+    for (PetscInt e = 0; e < count; ++e) ++start[least(e) + 1];
+    std::partial_sum(start.begin(), start.end(), start.begin());
+    std::vector<std::size_t> next(start);
+    entries.resize(static_cast<std::size_t>(count));
+    for (PetscInt e = 0; e < count; ++e) entries[next[least(e)]++] = e;
   }
-  std::sort(order.begin(), order.end());
-  std::vector<PetscInt> first(order.size());
-  for (std::size_t begin = 0, end = 0; begin < order.size(); begin = end) {
-    while (end < order.size() && order[end].first == order[begin].first) ++end;
-    for (std::size_t k = begin; k < end; ++k) {
-      const PetscInt e = order[k].second;
-      const auto same = [&](const auto &other) {
-        return sorted(entry(other.second), corners) == sorted(entry(e), corners);
-      };
-      const auto itself = order.begin() + static_cast<std::ptrdiff_t>(k);
-      const auto found =
-          std::find_if(order.begin() + static_cast<std::ptrdiff_t>(begin), itself, same);
-      first[static_cast<std::size_t>(e)] = found->second;
+};
+
+/// For each of the entries the first one that has the same first `corners` vertices in any order;
+/// itself where it is that.
+std::vector<PetscInt> first_of_same(const std::vector<PetscInt> &vertices, int width, int corners) {
+  ByLeastVertex all(vertices, width, corners);
+  std::vector<PetscInt> first(all.entries.size());
+  std::iota(first.begin(), first.end(), 0);
+  const auto entry = [&](PetscInt e) { return &vertices[static_cast<std::size_t>(width * e)]; };
+  const auto sum = [&](PetscInt e) {
+    return std::accumulate(entry(e), entry(e) + corners, std::int64_t{0});
+  };
+  for (std::size_t v = 0; v + 1 < all.start.size(); ++v) {
+    const auto begin = all.entries.begin() + static_cast<std::ptrdiff_t>(all.start[v]);
+    const auto end = all.entries.begin() + static_cast<std::ptrdiff_t>(all.start[v + 1]);
+    // The same vertices have the same sum.
+    std::sort(begin, end,
+              [&](PetscInt a, PetscInt b) { return std::pair(sum(a), a) < std::pair(sum(b), b); });
+    for (auto one = begin; one != end; ++one) {
+      for (auto other = one; other != begin && sum(*(other - 1)) == sum(*one);) {
+        --other;
+        if (sorted(entry(*other), corners) != sorted(entry(*one), corners)) continue;
+        first[static_cast<std::size_t>(*one)] = first[static_cast<std::size_t>(*other)];
+        break;
+      }
     }
   }
   return first;
