@@ -214,6 +214,7 @@ class Meshes(unittest.TestCase):
     def test_other_formats_are_named_with_the_way_to_convert_them(self):
         self.refused(self.file("BEGIN BULK\nGRID,1,,0.,0.,0.\nENDDATA\n", "plate.bdf") + ENDS,
                      "plate.bdf", "Nastran", "meshio convert plate.bdf plate.msh", "gmsh", "-save")
+        self.refused(self.file("$ Created by hand\n1 1 1\n", "comment.bdf") + ENDS, "Nastran")
         self.refused(self.file("# vtk DataFile Version 3.0\n", "a.vtk") + ENDS, "meshio convert")
 
     def test_wrong_order_of_second_order_nodes_is_refused(self):

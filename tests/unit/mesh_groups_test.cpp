@@ -68,6 +68,14 @@ TEST(MeshGroups, OfVersion22) {
   EXPECT_EQ(entities(mesh, 2), (Entities{{{0, 1, 2}, {7}}}));
 }
 
+TEST(MeshGroups, OfVersion22InBinary) {
+  for (const Encoding encoding : {Encoding::ascii, Encoding::binary}) {
+    const CellList mesh = read_contents(gmsh_2_2(two_tetrahedra(), encoding));
+    EXPECT_EQ(groups_of_cells(mesh), (Numbers{{7}, {7}}));
+    EXPECT_EQ(entities(mesh, 2), (Entities{{{0, 1, 2}, {7}}}));
+  }
+}
+
 TEST(MeshGroups, NoneWhereNoCellHasOne) {
   const std::string cells = "$Elements\n1\n2 4 2 0 9 1 2 3 4\n$EndElements\n";
   const CellList mesh = read_contents("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n" + nodes_2_2 + cells);
@@ -79,8 +87,11 @@ TEST(MeshGroups, OfVersion41) {
   for (const Encoding encoding : {Encoding::ascii, Encoding::binary}) {
     const CellList mesh = read_contents(two_volumes_4_1(encoding));
     EXPECT_EQ(groups_of_cells(mesh), (Numbers{{3, 8}, {3}}));
-    EXPECT_EQ(texts(mesh.groups),
-              (Texts{"surface 7 'skin'", "volume 3 'soft tissue'", "volume 8 'bone'"}));
+    EXPECT_EQ(texts(mesh.groups), (Texts{"curve 6", "curve 9", "point 4", "surface 7 'skin'",
+                                         "volume 3 'soft tissue'", "volume 8 'bone'"}));
+    EXPECT_EQ(entities(mesh, 0), (Entities{{{0}, {4}}}));
+    EXPECT_EQ(entities(mesh, 1), (Entities{{{0, 1}, {6, 9}}, {{1, 2}, {6, 9}}}));
+    EXPECT_EQ(entities(mesh, 2), (Entities{{{0, 1, 2}, {7}}}));
   }
 }
 
@@ -209,6 +220,22 @@ TEST(MeshGroups, GoWithTheirCellsWhereOthersAreDropped) {
     mesh.groups.set_of_cell.push_back(mesh.groups.set_of(3, number));
   EXPECT_EQ(repair_rest_shape(mesh, Repair::drop, "four").dropped, 2);
   EXPECT_EQ(groups_of_cells(mesh), (Numbers{{5}, {7}}));
+}
+
+/// What is in groups is renumbered with its vertices, and goes where one of them goes.
+TEST(MeshGroups, SurviveRepair) {
+  CellList mesh;
+  mesh.coordinates = {9, 9, 9, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 5, 5, 5};
+  mesh.cells = {1, 2, 3, 4, 1, 2, 3, 5, 2, 3, 3, 4};
+  std::swap(mesh.cells[4], mesh.cells[5]);  // the second is turned round, the third flat
+  const PetscInt wall = mesh.groups.set_of(2, 7), tip = mesh.groups.set_of(0, 2);
+  mesh.groups.below[2] = {{1, 2, 4, 1, 2, 5}, {wall, wall}};
+  mesh.groups.below[0] = {{4, 5, 0}, {tip, tip, tip}};
+  const RepairReport report = repair_rest_shape(mesh, Repair::drop, "three");
+  EXPECT_EQ(report.dropped, 2);
+  EXPECT_EQ(drop_unused_vertices(mesh), 2);
+  EXPECT_EQ(entities(mesh, 2), (Entities{{{0, 1, 3}, {7}}}));
+  EXPECT_EQ(entities(mesh, 0), (Entities{{{3}, {2}}}));
 }
 
 TEST(MeshGroups, BadSectionsAreRefused) {

@@ -133,12 +133,12 @@ inline std::string gmsh_4_1(const TaggedMesh &tagged, Encoding encoding) {
 inline const std::string physical_names =
     "$PhysicalNames\n3\n2 7 \"skin\"\n3 3 \"soft tissue\"\n3 8 \"bone\"\n$EndPhysicalNames\n";
 
-/// Two volumes of entity tags 5 and 6 after a point, a curve and a surface; the second volume has
-/// two groups, and is turned round in one.
+/// Two volumes of entity tags 5 and 6 after a point, a curve and a surface, which are in groups 4,
+/// 6 and 9, and 7; the second volume has two groups, and is turned round in one.
 inline std::string entities_4_1(Encoding encoding) {
   Bytes bytes(encoding);
   bytes.text("$Entities\n").size(1).size(1).size(1).size(2).end_line();
-  bytes.integer(1).real(0).real(0).real(0).size(0).end_line();
+  bytes.integer(1).real(0).real(0).real(0).size(1).integer(4).end_line();
   const auto entity = [&](int tag, std::vector<int> groups, std::vector<int> bounds) {
     bytes.integer(tag);
     for (int k = 0; k < 6; ++k) bytes.real(k);
@@ -148,7 +148,7 @@ inline std::string entities_4_1(Encoding encoding) {
     for (const int bound : bounds) bytes.integer(bound);
     bytes.end_line();
   };
-  entity(1, {}, {1, -1});
+  entity(1, {6, -9}, {1, -1});
   entity(5, {7}, {1});
   entity(5, {3}, {5});
   entity(6, {-8, 3}, {5});
@@ -165,7 +165,12 @@ inline std::string two_volumes_4_1(Encoding encoding) {
   bytes.integer(3).integer(5).integer(0).size(5).end_line();
   for (const std::int64_t tag : tags) bytes.size(tag).end_line();
   for (const double coordinate : mesh.coordinates) bytes.real(coordinate);
-  bytes.text("\n$EndNodes\n$Elements\n").size(2).size(2).size(1).size(2).end_line();
+  bytes.text("\n$EndNodes\n$Elements\n").size(5).size(6).size(1).size(6).end_line();
+  bytes.integer(0).integer(1).integer(15).size(1).end_line().size(3).size(1).end_line();
+  bytes.integer(1).integer(1).integer(1).size(2).end_line();
+  bytes.size(4).size(1).size(2).end_line().size(5).size(3).size(2).end_line();
+  bytes.integer(2).integer(5).integer(2).size(1).end_line();
+  bytes.size(6).size(3).size(2).size(1).end_line();
   for (int cell = 0; cell < 2; ++cell) {
     bytes.integer(3).integer(6 - cell).integer(4).size(1).end_line().size(cell + 1);
     for (std::size_t k = 0; k < 4; ++k)

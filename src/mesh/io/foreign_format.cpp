@@ -74,14 +74,16 @@ bool begins_with(std::string_view beginning, std::string_view mark) {
                              : beginning.starts_with(mark);
 }
 
-// By its name, or else by how it begins.
-const Format *recognise(const std::string &path, std::string_view beginning) {
-  const auto &formats = known_formats();
+const Format *find_by_name(const std::string &path) {
   const std::string ending = ending_of(path);
-  for (const Format &format : formats)
+  for (const Format &format : known_formats())
     if (std::find(format.endings.begin(), format.endings.end(), ending) != format.endings.end())
       return &format;
-  for (const Format &format : formats)
+  return nullptr;
+}
+
+const Format *find_by_beginning(std::string_view beginning) {
+  for (const Format &format : known_formats())
     if (std::any_of(format.marks.begin(), format.marks.end(),
                     [&](std::string_view mark) { return begins_with(beginning, mark); }))
       return &format;
@@ -105,9 +107,14 @@ std::string way_to_convert(const Format &format, const std::string &from, const 
 
 }  // namespace
 
+bool has_foreign_name(const std::string &path) {
+  return find_by_name(path) != nullptr;
+}
+
 std::string advice_on_format(const std::string &path, std::string_view beginning) {
   const std::string read = "Medit .mesh (ASCII) and Gmsh .msh 2.2 and 4.1";
-  const Format *format = recognise(path, beginning);
+  const Format *format = find_by_name(path);
+  if (!format) format = find_by_beginning(beginning);
   if (!format)
     return "is not in a format that is read, which are " + read +
            "; convert the mesh to one of them, by meshio convert or gmsh -save";

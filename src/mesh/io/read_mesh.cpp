@@ -16,6 +16,13 @@ bool is_binary_medit(const MeshFile &file) {
   return file.rest().starts_with("\1\0\0\0"sv) || file.rest().starts_with("\0\0\0\1"sv);
 }
 
+// Whatever a Gmsh file begins with begins with a dollar sign, but so do Nastran's comments.
+bool is_gmsh(MeshFile &file) {
+  const std::string_view word = file.peek_word();
+  if (word == "$MeshFormat" || word == "$Comments") return true;
+  return word.starts_with('$') && !has_foreign_name(file.path());
+}
+
 // "convert body.meshb body.mesh"
 std::string ascii_copy(const std::string &path) {
   const std::filesystem::path from(path);
@@ -30,7 +37,7 @@ CellList read_mesh(const std::string &path) {
   if (is_binary_medit(file))
     file.fail_as_a_whole("is a binary Medit file (.meshb), which is not read; convert it: meshio " +
                          ascii_copy(path) + ", or save it as ASCII");
-  if (file.peek_word().starts_with('$')) return read_gmsh(file);
+  if (is_gmsh(file)) return read_gmsh(file);
 
   file.treat_as_comment('#');
   if (file.peek_word() == "MeshVersionFormatted") return read_medit(file);
