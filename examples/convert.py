@@ -65,11 +65,9 @@ def surface_of(rest, moved, cells):
 
 def body_of(step, moved, with_fields):
     on_vertices, on_cells = {}, {}
-    for name in step.fields if with_fields else ():
-        if step.fields.on_vertices(name):
-            on_vertices[name] = step.fields[name]
-        else:
-            on_cells[name] = [step.fields[name]]
+    if with_fields:
+        on_vertices = dict(step.vertex_fields)
+        on_cells = {name: [values] for name, values in step.cell_fields.items()}
     cells = step.cells
     return meshio.Mesh(moved, [(CELLS[cells.shape[1]], cells)], on_vertices, on_cells)
 

@@ -21,6 +21,8 @@ def add_view_options(parser):
     parser.add_argument("--field", default="displacement", help="what the colours show")
     parser.add_argument("--component",
                         help="of a vector or tensor, such as x or yz (default: its magnitude)")
+    parser.add_argument("--cells", action="store_true",
+                        help="values of cells also where they are averaged to vertices")
     parser.add_argument("--range",
                         help="the colours' ends, such as 0,2e6 (default: all but extreme cells)")
     parser.add_argument("--scale", type=float, default=1,
@@ -70,7 +72,9 @@ class FieldOfBody:
 
     def __init__(self, body, steps, arguments):
         self._body, self._name, self._column = body, arguments.field, arguments.component
-        self._on_vertices = steps[0].fields.on_vertices(self._name)
+        self._on_vertices = not arguments.cells and steps[0].fields.on_vertices(self._name)
+        if arguments.cells and any(self._name not in step.cell_fields for step in steps):
+            raise ValueError(f"{self._name} has no values of cells")
         self._rows = body.used if self._on_vertices else np.unique(body.cells)
         column = self._column or self._columns(steps[-1])[0]
         self.title = (fields.title(self._name) + (f", {column}" if column else ""))
@@ -80,11 +84,14 @@ class FieldOfBody:
         self.map = matplotlib.cm.ScalarMappable(self._normalize, arguments.colours)
 
     def _columns(self, step):
-        return list(fields.columns(self._name, step.fields[self._name][:1]))
+        return list(fields.columns(self._name, self._found(step)[:1]))
+
+    def _found(self, step):
+        return (step.vertex_fields if self._on_vertices else step.cell_fields)[self._name]
 
     def values(self, step):
         """A number a vertex or a cell."""
-        chosen = fields.columns(self._name, step.fields[self._name])
+        chosen = fields.columns(self._name, self._found(step))
         if self._column is None:
             return next(iter(chosen.values()))
         if self._column not in chosen:

@@ -130,8 +130,8 @@ def unit(vectors):
 def inverted_cells(step):
     """Numbers of the cells of a `trefoil.Step` that are turned inside out: det F <= 0. None where
     that cannot be said: quadratic cells without the field determinant_F."""
-    if "determinant_F" in step.fields:
-        return np.flatnonzero(step.fields["determinant_F"] <= 0)
+    if "determinant_F" in step.cell_fields:
+        return np.flatnonzero(step.cell_fields["determinant_F"] <= 0)
     cells, rest = step.cells, step.points
     if cells.shape[1] > 4 or "displacement" not in step.fields:
         return None

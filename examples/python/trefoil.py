@@ -44,39 +44,44 @@ class NotConverged(TrefoilError):
 
 
 class Fields(collections.abc.Mapping):
-    """Fields by name, read from the file at each look: rows are vertices or cells."""
+    """Fields by name, read from the file at each look."""
 
-    def __init__(self, items):
-        self._items = items  # name -> (whether on vertices, how to read it)
+    def __init__(self, file, elements):
+        self._file, self._elements = file, elements
 
     def __getitem__(self, name):
-        return self._items[name][1]()
+        return self._file.read(self._elements[name])
 
     def __iter__(self):
-        return iter(self._items)
+        return iter(self._elements)
 
     def __len__(self):
-        return len(self._items)
+        return len(self._elements)
 
     def on_vertices(self, name):
         """Whether the field has a row a vertex; otherwise it has one a cell."""
-        return self._items[name][0]
+        return self._elements[name].get("Center") == "Node"
 
     def __repr__(self):
-        return f"Fields({', '.join(self._items)})"
+        return f"Fields({', '.join(self._elements)})"
 
 
 class Step:
-    """One load or time step: `t`, `fields`, the rest positions `points` (vertices x 3; a flat body
-    has z = 0) and `cells` (cells x nodes of a cell: 3, 4, 6 or 10; midpoints of edges in VTK's
-    order)."""
+    """One load or time step: `t`, the rest positions `points` (vertices x 3; a flat body has z = 0),
+    `cells` (cells x nodes of a cell: 3, 4, 6 or 10; midpoints of edges in VTK's order), and fields:
+    `vertex_fields` and `cell_fields` have a row a vertex and a cell; `fields` has all names, on
+    vertices where a field is on both."""
 
     def __init__(self, grid, file, t):
         self.t = t
         self._grid, self._file = grid, file
-        self.fields = Fields({item.get("Name"): (item.get("Center") == "Node",
-                                                 lambda item=item: file.read(item))
-                              for item in grid.findall("Attribute")})
+        centers = {"Node": {}, "Cell": {}}
+        for element in grid.findall("Attribute"):
+            centers[element.get("Center")][element.get("Name")] = element
+        self.vertex_fields, self.cell_fields = (Fields(file, each) for each in centers.values())
+        self.fields = Fields(file, {**centers["Node"],
+                                    **{name: element for name, element in centers["Cell"].items()
+                                       if name not in centers["Node"]}})
 
     @property
     def points(self):

@@ -26,7 +26,8 @@ class Body:
         self._all, self._units = steps, units
         last = steps[-1]
         self._points, self._cells = last.points, last.cells
-        self._regions = last.fields["region"].round().astype(int) if "region" in last.fields else None
+        self._regions = (last.cell_fields["region"].round().astype(int)
+                         if "region" in last.cell_fields else None)
         several = self._regions is not None and len(np.unique(self._regions)) > 1
         self._surface = surface.Surface(self._points, self._cells, self._regions if several else None)
         self._several = several
@@ -109,14 +110,14 @@ class Body:
 
     def _pack_fields(self, pack, plan, vertices, shown):
         described = []
-        names = [name for name in self._all[-1].fields
-                 if all(name in self._all[step].fields for step in plan.steps)]
-        for name in names:
-            on_vertices = self._all[-1].fields.on_vertices(name)
+        for name, on_vertices in self._names(plan.steps):
             rows = vertices if on_vertices else shown
+            twin = not on_vertices and name in self._all[-1].vertex_fields
+            key = name + (" of cells" if twin else "")
             parts = {}  # column -> its least and largest value in each step, on the surface
             for number, step in enumerate(plan.steps):
-                chosen = fields.columns(name, self._all[step].fields[name][rows])
+                found = self._all[step].vertex_fields if on_vertices else self._all[step].cell_fields
+                chosen = fields.columns(name, found[name][rows])
                 if not plan.all_columns:
                     chosen = dict(list(chosen.items())[:1])
                 for column, values in chosen.items():
@@ -125,11 +126,19 @@ class Body:
                     # A few extreme cells do not decide the scale.
                     most = np.percentile(finite, [1, 99]).tolist() if finite.size else [0, 0]
                     parts.setdefault(column, []).append(span + (span if on_vertices else most))
-                    pack.add_reals(f"{name}/{column}/{number}", values)
+                    pack.add_reals(f"{key}/{column}/{number}", values)
             described.append({
-                "name": name, "title": fields.title(name), "unit": fields.unit(name, self._units),
+                "name": key, "title": fields.title(name) + (", by cell" if twin else ""), "unit": fields.unit(name, self._units),
                 "onVertices": on_vertices, "labels": name in fields.LABEL_FIELDS, "columns": parts})
         return described
+
+    def _names(self, steps):
+        """Names of the fields that all the steps have, and whether they are on vertices."""
+        last = self._all[-1]
+        pairs = [(name, True) for name in last.vertex_fields] + [(name, False) for name in last.cell_fields]
+        return [(name, on_vertices) for name, on_vertices in pairs
+                if all(name in (self._all[step].vertex_fields if on_vertices
+                                else self._all[step].cell_fields) for step in steps)]
 
     def inverted(self, step):
         """How many cells of a step are turned inside out; None: not known."""

@@ -114,6 +114,12 @@ class Programs(unittest.TestCase):
         done = run("picture.py", self.folder, "bar.xdmf", "--field", "cauchy_stress", "--component", "yz",
                    "--scale", "2", "--range", "0,5", "--units", "mm, N")
         self.assertEqual(done.stdout, "")
+        smooth, flat = (self.picture_of("bar.xdmf", "--field", "von_mises", *more) for more in ([], ["--cells"]))
+        self.assertGreater((abs(smooth - flat).max(axis=2) > 0.1).mean(), 0.02)
+
+    def picture_of(self, *words):
+        self.assertEqual(run("picture.py", self.folder, *words, "-o", "p.png", "--dpi", "60").stdout, "")
+        return matplotlib.image.imread(self.path("p.png"))[..., :3]
 
     def test_bad_input_is_one_sentence(self):
         body_series.bent_bar(self.path("bar.xdmf"), 1, 1, (3, 1, 1))

@@ -93,6 +93,17 @@ class Series(unittest.TestCase):
                 np.testing.assert_allclose(step.fields["reaction"], step.t * step.points)
             self.assertEqual(steps[0].fields["cauchy_stress"].shape, (len(steps[0].cells), 6))
 
+    def test_a_field_on_vertices_and_on_cells(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "bar.xdmf")
+            body_series.bent_bar(path, 1, 1)
+            step = trefoil.read_steps(path)[0]
+            self.assertEqual(len(step.vertex_fields["von_mises"]), len(step.points))
+            self.assertEqual(len(step.cell_fields["von_mises"]), len(step.cells))
+            self.assertTrue(step.fields.on_vertices("von_mises"))
+            self.assertEqual(len(step.fields["von_mises"]), len(step.points))
+            self.assertFalse(step.fields.on_vertices("region"))
+
     def test_files_that_are_no_result(self):
         with tempfile.TemporaryDirectory() as folder:
             path = os.path.join(folder, "empty.xdmf")

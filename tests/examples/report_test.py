@@ -222,7 +222,7 @@ class Page(unittest.TestCase):
                 self.assertEqual(page.evaluate("document.querySelectorAll('.chart').length"), 2)
                 self.assertEqual(page.evaluate("element('timeline').hidden"), True)
                 names = page.evaluate("manifest.fields.map(field => field.name)")
-                self.assertEqual(names, list(result.fields))
+                self.assertEqual({name for name in names if not name.endswith(" of cells")}, set(result.fields))
 
             self.look(folder, act)
 
@@ -251,6 +251,9 @@ class Page(unittest.TestCase):
                     page.evaluate(f"element('field').value = '{name}'; "
                                   "element('field').dispatchEvent(new Event('change'))")
                     self.assertGreater(page.evaluate(LOOK)["colours"], 1, name)
+                titles = page.evaluate("manifest.fields.map(field => field.title)")
+                self.assertIn("von Mises stress", titles)
+                self.assertIn("von Mises stress, by cell", titles)
                 page.evaluate("chooseField('cauchy_stress'); element('column').value = 'yz'; "
                               "element('column').dispatchEvent(new Event('change'))")
                 self.assertEqual(page.evaluate("element('legend_title').textContent"), "Cauchy stress, yz [MPa]")
