@@ -72,11 +72,15 @@ def viewer_parts(body):
             "pack": body.text}
 
 
+def section(title, content):
+    return f"<section><h2>{title}</h2>{content}</section>" if content else ""
+
+
 def page(record, body, title, units, three):
     """The whole page."""
     classes, words = results.verdict(record)
     bad = "" if record["result"]["converged"] else " bad"
-    forces = results.forces_tables(record, units)
+    step_charts = curves.step_charts(record, units)
     return string.Template(read_part("page.html")).substitute({
         "title": html.escape(title), "style": read_part("page.css"),
         "summary": results.summary(record), "verdict_class": classes, "verdict": words,
@@ -84,9 +88,10 @@ def page(record, body, title, units, three):
                             for sentence in results.warnings(record)),
         "notes": "".join(f"<li>{html.escape(note)}</li>" for note in body.notes),
         "results": results.results_table(record, units), "time": results.time_bars(record),
-        "forces": f"<section><h2>Forces</h2>{forces}</section>" if forces else "",
-        "charts": curves.step_charts(record, units) + curves.convergence_charts(record),
-        "tables": results.steps_table(record) + results.history_table(record),
+        "forces": section("Forces", results.forces_tables(record, units)),
+        "steps": section("Steps", f'<div class="charts">{step_charts}</div>' * bool(step_charts)
+                         + results.steps_table(record)),
+        "charts": curves.convergence_charts(record), "history": results.history_table(record),
         "run": results.what_was_run(record),
         "footer": "Made by Trefoil's examples/report.py; the body is drawn by three.js (MIT).",
         "three": three, "viewer": "".join(map(read_part, SCRIPTS)),
@@ -108,9 +113,9 @@ def read_record(path):
         sys.exit(f"report.py: {path} is no record of Trefoil's program: it lacks {error}")
 
 
-def read_body(path, units, most_bytes):
+def read_body(path, units, most_bytes, region_names):
     try:
-        return Body(trefoil.read_steps(path), units, most_bytes)
+        return Body(trefoil.read_steps(path), units, most_bytes, region_names)
     except (OSError, KeyError, ValueError, AttributeError,
             xml.etree.ElementTree.ParseError) as error:
         sys.exit(f"report.py: cannot read {path}: {error}")
@@ -150,7 +155,8 @@ def main():
     room = arguments.size * 1e6 - len(three) - 200e3 - 3 * os.path.getsize(arguments.record)
     if room < 100e3:
         sys.exit(f"report.py: a page of {arguments.size:g} MB has no room for a body; --size 3 has")
-    body = read_body(arguments.xdmf, units, room)
+    regions = [region["name"] for region in record.get("regions") or []]
+    body = read_body(arguments.xdmf, units, room, regions)
     write(arguments.output, page(record, body, title, units, three))
 
 

@@ -22,8 +22,8 @@ class Plan:
 class Body:
     """A file's steps, made ready for the viewer. `notes`: sentences on what was left out."""
 
-    def __init__(self, steps, units, most_bytes):
-        self._all, self._units = steps, units
+    def __init__(self, steps, units, most_bytes, region_names=()):
+        self._all, self._units, self._region_names = steps, units, region_names
         last = steps[-1]
         self._points, self._cells = last.points, last.cells
         self._regions = (last.cell_fields["region"].round().astype(int)
@@ -103,6 +103,7 @@ class Body:
         self.manifest = {
             "flat": self.is_flat, "center": center.tolist(), "index": pack.index, "fields": described,
             "regions": sorted(set(self._regions.tolist())) if self._several else [],
+            "regionNames": list(self._region_names),
             "quadratic": self._cells.shape[1] in (6, 10),
             "lengthUnit": self._units.of("length"),
             "steps": [{"t": self._all[step].t, "inverted": self.inverted(step)}

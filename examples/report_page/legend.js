@@ -20,6 +20,10 @@ function plainNumber(value) {
   return String(+value.toPrecision(6));
 }
 
+function escaped(text) {
+  return text.replace(/[&<"]/g, letter => `&#${letter.charCodeAt(0)};`);
+}
+
 /** Least and largest value of the chosen column, over all steps or in this one. */
 function naturalRange() {
   const spans = state.field.columns[state.column];
@@ -79,13 +83,18 @@ function showColours() {
   eye.draw();
 }
 
+/** What a label is called: regions have names. */
+function labelName(field, label) {
+  return field === "region" && manifest.regionNames[label] || String(label);
+}
+
 function showLegend(named) {
   const {title, unit} = state.field, part = state.column ? ", " + state.column : "";
   element("legend_title").textContent = title + part + (unit ? ` [${unit}]` : "");
   element("legend_body").hidden = Boolean(named);
   for (const id of ["low", "high", "map", "bands", "over"]) element(id).disabled = Boolean(named);
   element("categories").innerHTML = (named || []).slice(0, 24).map((each, k) =>
-    `<li><i style="background:${LABEL_COLOURS[k % 12]}"></i>${each}</li>`).join("");
+    `<li><i style="background:${LABEL_COLOURS[k % 12]}"></i>${escaped(labelName(state.field.name, each))}</li>`).join("");
   if (named) return;
   element("low").value = plainNumber(state.low);
   element("high").value = plainNumber(state.high);

@@ -145,7 +145,8 @@ function listen() {
 
 function listRegions() {
   element("regions").innerHTML = manifest.regions.map(each =>
-    `<label class="check"><input type="checkbox" checked value="${each}"> region ${each}</label>`).join("");
+    `<label class="check"><input type="checkbox" checked value="${each}">
+      region ${escaped(labelName("region", each))}</label>`).join("");
   element("regions").addEventListener("change", () => {
     const boxes = [...element("regions").querySelectorAll("input:checked")];
     picture.showRegions(new Set(boxes.map(box => +box.value)));

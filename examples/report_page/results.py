@@ -31,7 +31,8 @@ def number(value, digits=5):
     if value != value or value in (float("inf"), -float("inf")):
         return {"inf": "∞", "-inf": "−∞"}.get(str(value), "not a number")
     if value == 0 or 1e-3 <= abs(value) < 1e5:
-        return f"{value:.{digits}g}".replace("-", "−")
+        short = f"{value:.{digits}g}"
+        return (f"{value:.0f}" if "e" in short else short).replace("-", "−")
     mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
     return f"{mantissa.replace('-', '−')} × 10{str(int(exponent)).translate(SUPERSCRIPTS)}"
 
