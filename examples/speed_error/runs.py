@@ -177,7 +177,7 @@ def rules_of(program, options=()):
     text = subprocess.run([program, "-options_file", GENERATED[0], *options, "-help"],
                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
                           env=environment(), check=False).stdout
-    found = re.search(r"-snes_trefoil_filter <[^>]*>: Filter of the element Hessians: ([\w, ]+)",
+    found = re.search(r"-snes_trefoil_filter <[^>]*>:? Filter of the element Hessians: ([\w, ]+)[\n(]",
                       text)
     if not found:
         raise SystemExit(f"speed_against_error: {program} does not tell its filters:\n{text}")

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "mesh/boundary.hpp"
 #include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
@@ -67,6 +68,18 @@ PetscErrorCode EnergyFunctional::energy_at_rest(double *energy) const {
   for (const auto &term : terms_) PetscCall(term->add_energy(u.data(), &sums));
   PetscCall(sum_over_ranks(discretization_.mesh().dm, &sums));
   *energy = sums.energy;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode EnergyFunctional::nodal_gradient(Vec x, std::vector<double> *gradient) const {
+  Vec local = nullptr;
+  const PetscScalar *u = nullptr;
+  PetscFunctionBeginUser;
+  gradient->assign(discretization_.mesh().coordinates.size(), 0);
+  PetscCall(discretization_.get_local(x, &local, &u));
+  for (const auto &term : terms_) PetscCall(term->add_gradient(u, gradient->data()));
+  PetscCall(discretization_.restore_local(&local, &u));
+  PetscCall(sum_at_owners(discretization_.mesh(), gradient));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -162,7 +175,8 @@ std::unique_ptr<EnergyFunctional> EnergyFunctional::spreading(Spreading kind) co
   return other;
 }
 
-PetscErrorCode EnergyFunctional::describe_cells(Vec x, CellReport *report) const {
+PetscErrorCode EnergyFunctional::describe_cells(Vec x, CellReport *report,
+                                                bool counts_negative) const {
   Vec local = nullptr;
   const PetscScalar *u = nullptr;
   PetscFunctionBeginUser;
@@ -174,7 +188,7 @@ PetscErrorCode EnergyFunctional::describe_cells(Vec x, CellReport *report) const
   for (const auto &term : terms_) {
     term->describe_cells(u, report->determinant.data(), report->energy_density.data());
   }
-  PetscCall(hessian_.count_negative(u, &report->negative_eigenvalues));
+  if (counts_negative) PetscCall(hessian_.count_negative(u, &report->negative_eigenvalues));
   report->negative_eigenvalues.resize(cells, 0);
   PetscCall(discretization_.restore_local(&local, &u));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -33,6 +33,9 @@ class EnergyFunctional {
   PetscErrorCode energy_at_rest(double *energy) const;
   /// The gradient of f, for the unknowns. Collective.
   PetscErrorCode gradient(Vec x, Vec g) const;
+  /// df/du of every vertex that this rank owns, held components as well, 3 a local vertex: where a
+  /// component is held, the force that holds it. Collective.
+  PetscErrorCode nodal_gradient(Vec x, std::vector<double> *gradient) const;
   /// H, and N in *negative (see TrefoilSplitJacobianFunction, whose contract this is). Where terms
   /// couple vertices without a common cell, H may get another pattern and *negative be made anew.
   /// Collective.
@@ -56,7 +59,8 @@ class EnergyFunctional {
   struct CellReport {
     std::vector<double> determinant, energy_density, negative_eigenvalues;
   };
-  PetscErrorCode describe_cells(Vec x, CellReport *report) const;
+  /// @param counts_negative whether eigenvalues are counted, which takes a decomposition a cell
+  PetscErrorCode describe_cells(Vec x, CellReport *report, bool counts_negative = true) const;
   /// Cells with det F <= 0, over all ranks. Collective.
   PetscErrorCode count_inverted(Vec x, PetscInt64 *inverted) const;
 

@@ -1,20 +1,88 @@
+#include "output/record.hpp"
+
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "output/error_table.hpp"
-#include "output/result.hpp"
-#include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-PetscErrorCode mesh_bytes(const Scene &scene, MPI_Comm comm, double *bytes) {
-  PetscFunctionBeginUser;
-  *bytes = scene.mesh.bytes() + scene.discretization.bytes() + scene.functional->bytes();
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, bytes, 1, MPI_DOUBLE, MPI_SUM, comm));
-  PetscFunctionReturn(PETSC_SUCCESS);
+/// JSON has no NaN and no infinity; null says "not finite".
+Json number(double value) {
+  return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
+
+Json place(const Extreme &extreme) {
+  return {{"value", number(extreme.value)}, {"at", extreme.at}};
+}
+
+Json mesh_json(const MeshReport &mesh) {
+  return {{"vertices", mesh.vertices},   {"nodes", mesh.nodes},
+          {"elements", mesh.elements},   {"parts", mesh.parts},
+          {"element", mesh.element},     {"dofs", mesh.dofs},
+          {"free_dofs", mesh.free_dofs}, {"inverted_at_start", mesh.inverted_at_start},
+          {"edge_cut", mesh.edge_cut},   {"imbalance", mesh.imbalance}};
+}
+
+Json constraints_json(const RunReport &report) {
+  Json list = Json::array();
+  for (const ConstraintReport &constraint : report.constraints) {
+    list.push_back({{"name", constraint.name},
+                    {"vertices", constraint.vertices},
+                    {"area", constraint.area},
+                    {"reaction", constraint.reaction.force},
+                    {"moment", constraint.reaction.moment}});
+  }
+  return list;
+}
+
+Json loads_json(const RunReport &report) {
+  Json list = Json::array();
+  for (const LoadReport &load : report.loads) {
+    list.push_back({{"name", load.name},
+                    {"facets", load.facets},
+                    {"area", load.area},
+                    {"force", load.resultant.force},
+                    {"moment", load.resultant.moment}});
+  }
+  return list;
+}
+
+Json regions_json(const RunReport &report) {
+  Json list = Json::array();
+  for (const RegionReport &region : report.regions) {
+    list.push_back({{"name", region.name},
+                    {"cells", region.cells},
+                    {"volume", region.volume},
+                    {"mass", region.mass}});
+  }
+  return list;
+}
+
+Json state_json(const RunReport &report, const StateReport &state) {
+  Json reactions = Json::object(), loads = Json::object(), probes = Json::object();
+  for (std::size_t k = 0; k < state.reactions.size(); ++k) {
+    reactions[report.constraints[k].name] = state.reactions[k].force;
+  }
+  for (std::size_t k = 0; k < state.loads.size(); ++k) {
+    loads[report.loads[k].name] = state.loads[k].force;
+  }
+  for (const ProbeReport &probe : state.probes) probes[probe.name] = probe.displacement;
+  Json json{{"t", state.t},
+            {"energy", number(state.energy)},
+            {"strain_energy", number(state.strain_energy)},
+            {"load_work", number(state.load_work)},
+            {"iterations", state.iterations},
+            {"reaction", reactions},
+            {"load", loads},
+            {"largest_displacement", place(state.largest_displacement)},
+            {"least_det_F", place(state.least_determinant)},
+            {"largest_von_mises", place(state.largest_von_mises)},
+            {"volume", number(state.volume)}};
+  if (!state.probes.empty()) json["probes"] = probes;
+  return json;
 }
 
 /// What the plugin counted as `other` is its part of the program's remainder. Waiting, which is in
@@ -36,79 +104,41 @@ void complete_times(Json &time, const ProgramTimes &times) {
 
 }  // namespace
 
-PetscErrorCode complete_record(const Scene &scene, const SolveOutcome &outcome,
-                               const ProgramTimes &times, std::string *json) {
-  const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(scene.mesh.dm));
-  double seconds[5] = {times.total, times.read, times.setup, times.output, outcome.guess.seconds},
-         bytes = 0;
-  PetscFunctionBeginUser;
-  PetscCall(mesh_bytes(scene, comm, &bytes));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, seconds, 5, MPI_DOUBLE, MPI_MAX, comm));
-  Json record = Json::parse(outcome.plugin_record, nullptr, false);
-  PetscCheck(record.is_object(), comm, PETSC_ERR_PLIB, "the solver left no record");
-  record["mesh"] = {{"vertices", scene.mesh.total_corners},
-                    {"nodes", scene.mesh.total_vertices},
-                    {"elements", scene.mesh.total_cells},
-                    {"parts", scene.mesh.parts},
-                    {"element", scene.mesh.element_name()},
-                    {"dofs", scene.mesh.dimension() * scene.mesh.total_vertices},
-                    {"free_dofs", scene.discretization.total_dofs()},
-                    {"inverted_at_start", outcome.inverted_at_start},
-                    {"edge_cut", scene.mesh.edge_cut},
-                    {"imbalance", scene.mesh.imbalance}};
-  record["constraints"] = Json::array();
-  for (const ConstraintReport &report : scene.constraints.reports()) {
-    record["constraints"].push_back(
-        {{"name", report.name}, {"vertices", report.vertices}, {"area", report.area}});
+Json make_record(const RunReport &report) {
+  Json record = Json::parse(report.plugin_record, nullptr, false);
+  if (!record.is_object()) return record;
+  record["mesh"] = mesh_json(report.mesh);
+  record["constraints"] = constraints_json(report);
+  record["loads"] = loads_json(report);
+  record["regions"] = regions_json(report);
+  record["steps"] = Json::array();
+  for (const StateReport &state : report.states) {
+    record["steps"].push_back(state_json(report, state));
   }
-  record["loads"] = Json::array();
-  for (const LoadReport &report : scene.load_reports) {
-    record["loads"].push_back({{"name", report.name},
-                               {"facets", report.facets},
-                               {"area", report.area},
-                               {"force", report.resultant.force}});
+  Json &result = record["result"];
+  const StateReport &end = report.end;
+  if (!report.failure.empty()) {
+    result["converged"] = false;
+    result["reason"] = report.failure;
+    result["energy"] = number(end.energy);
+    result["t"] = end.t;
   }
-  record["result"]["warnings"] = scene.warnings;
-  record["result"]["energy_rest"] = outcome.energy_rest;
-  record["result"]["energy_scale"] = outcome.energy_scale;
-  record["result"]["guess_linear_solves"] = outcome.guess.linear_solves;
-  record["result"]["inverted"] = outcome.inverted;
-  record["result"]["error_table"] = error_table(record);
-  record["memory"]["mesh_bytes"] = bytes;
-  complete_times(record["time"], {seconds[0], seconds[1], seconds[2], seconds[3], seconds[4]});
-  *json = record.dump(1);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode print_summary(MPI_Comm comm, const std::string &json) {
-  PetscFunctionBeginUser;
-  const Json record = Json::parse(json);
-  const Json &result = record["result"], &time = record["time"];
-  const auto number = [](const Json &value) {
-    return value.is_number() ? value.get<double>() : std::nan("");
-  };
-  PetscCall(PetscPrintf(comm, "%s in %d iterations, %d line-search trials: %s\n",
-                        result["converged"].get<bool>() ? "converged" : "NOT CONVERGED",
-                        result["iterations"].get<int>(), result["line_search_trials"].get<int>(),
-                        result["reason"].get<std::string>().c_str()));
-  PetscCall(PetscPrintf(comm, "energy %.14g, gradient norm %.3g, inverted elements %d\n",
-                        number(result["energy"]), number(result["gradient_norm"]),
-                        result["inverted"].get<int>()));
-  if (result["error_estimate"].is_number() && result["energy_scale"].is_number()) {
-    PetscCall(PetscPrintf(comm, "estimated relative energy error %.1e%s\n",
-                          number(result["error_estimate"]) / number(result["energy_scale"]),
-                          result["minimum"].is_boolean() && result["minimum"].get<bool>()
-                              ? ", at a minimum: the Hessian is positive definite"
-                              : ""));
-  }
-  PetscCall(PetscPrintf(comm, "%s", text_of_error_table(result["error_table"]).c_str()));
-  PetscCall(PetscPrintf(comm, "seconds %.3g:", number(time["total"])));
-  for (const char *phase : {"read", "setup", "guess", "assembly", "filter", "linear_solve",
-                            "line_search", "output", "other"}) {
-    PetscCall(PetscPrintf(comm, " %s %.3g", phase, number(time[phase])));
-  }
-  PetscCall(PetscPrintf(comm, "\n"));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  result["strain_energy"] = number(end.strain_energy);
+  result["load_work"] = number(end.load_work);
+  result["largest_displacement"] = place(end.largest_displacement);
+  result["least_det_F"] = place(end.least_determinant);
+  result["largest_von_mises"] = place(end.largest_von_mises);
+  result["volume"] = number(end.volume);
+  for (const ProbeReport &probe : end.probes) result["probes"][probe.name] = probe.displacement;
+  result["warnings"] = report.warnings;
+  result["energy_rest"] = report.energy_rest;
+  result["energy_scale"] = report.energy_scale;
+  result["guess_linear_solves"] = report.guess_linear_solves;
+  result["inverted"] = report.inverted;
+  result["error_table"] = error_table(record);
+  record["memory"]["mesh_bytes"] = report.mesh.bytes;
+  complete_times(record["time"], report.times);
+  return record;
 }
 
 }  // namespace trefoil

@@ -13,27 +13,84 @@ struct Resultant {
   std::array<double, 3> force{}, moment{};
 };
 
-/// What a constraint takes, and how it holds the body.
+/// What a constraint takes, and how it holds the body at the end.
 struct ConstraintReport {
   std::string name;
   PetscInt64 vertices = 0;
   double area = 0;  ///< of the surface between them, at rest
-  Resultant reaction;
+  Resultant reaction = {};
 };
 
-/// What a load takes, and how it pulls at the body.
+/// What a load takes, and how it pulls at the body at the end.
 struct LoadReport {
   std::string name;
   PetscInt64 facets = 0;
   double area = 0;  ///< of them, at rest
-  Resultant resultant;
+  Resultant resultant = {};
 };
 
-/// A part of the body with a material of its own.
+/// A part of the body with a material of its own; "body" is what is left.
 struct RegionReport {
   std::string name;
   PetscInt64 cells = 0;
   double volume = 0, mass = 0;  ///< at rest
+};
+
+/// The largest, or the least, of something, and the rest position where it is.
+struct Extreme {
+  double value = 0;
+  std::array<double, 3> at{};
+};
+
+/// A place whose displacement is asked for.
+struct ProbeReport {
+  std::string name;
+  std::array<double, 3> displacement{};
+};
+
+/// One equilibrium, at the end of a load step.
+struct StateReport {
+  double t = 1;
+  double energy = 0, strain_energy = 0, load_work = 0;
+  PetscInt iterations = 0;
+  std::vector<Resultant> reactions;  ///< of the constraints
+  std::vector<Resultant> loads;
+  Extreme largest_displacement, least_determinant, largest_von_mises;
+  double volume = 0;  ///< of the body as it is deformed
+  std::vector<ProbeReport> probes;
+};
+
+/// The mesh as it was solved on.
+struct MeshReport {
+  PetscInt vertices = 0, nodes = 0, elements = 0, parts = 1;
+  std::string element;
+  PetscInt dofs = 0, free_dofs = 0;
+  PetscInt64 inverted_at_start = 0;
+  PetscInt edge_cut = 0;
+  double imbalance = 1;
+  double bytes = 0;
+};
+
+/// Seconds of the program outside the solve; the rest of `total` is the solve's.
+struct ProgramTimes {
+  double total = 0, read = 0, setup = 0, output = 0, guess = 0;
+};
+
+/// What a run found: the plugin's record, and all that the plugin knows nothing of.
+struct RunReport {
+  std::string plugin_record;  ///< JSON, see TrefoilSNESGetRecord()
+  MeshReport mesh;
+  std::vector<ConstraintReport> constraints;
+  std::vector<LoadReport> loads;
+  std::vector<RegionReport> regions;
+  std::vector<StateReport> states;  ///< one a load step that stands
+  StateReport end;                  ///< where the body is left
+  std::string failure;  ///< why the way in load steps did not get to t = 1; empty: it did
+  std::vector<std::string> warnings;
+  double energy_rest = 0, energy_scale = 0;
+  PetscInt guess_linear_solves = 0;
+  PetscInt64 inverted = 0;  ///< at the end
+  ProgramTimes times;       ///< the maximum over the ranks
 };
 
 }  // namespace trefoil

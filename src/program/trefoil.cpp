@@ -5,20 +5,21 @@
 // Exit status: 0 converged, or help, which solves nothing; 1 bad input, 3 not converged or out of
 // memory.
 
-#include <petsctime.h>
-
 #include <cstdio>
 #include <exception>
 #include <new>
 #include <string>
 
-#include "output/result.hpp"
+#include "output/record.hpp"
 #include "program/arguments.hpp"
 #include "program/help.hpp"
 #include "program/program_errors.hpp"
+#include "scene/fields.hpp"
+#include "scene/report.hpp"
 #include "scene/scene.hpp"
 #include "scene/solve.hpp"
 #include "scene/solver_help.hpp"
+#include "scene/state_report.hpp"
 #include "support/petsc_compatibility.hpp"
 #include "support/text_file.hpp"
 #include "trefoil.h"
@@ -28,16 +29,74 @@ namespace {
 
 constexpr int success = 0, bad_input = 1, not_converged = 3;
 
+/// Seconds of the slowest rank.
+PetscErrorCode share_times(MPI_Comm comm, ProgramTimes *times) {
+  double seconds[5] = {times->total, times->read, times->setup, times->output, times->guess};
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, seconds, 5, MPI_DOUBLE, MPI_MAX, comm));
+  *times = {seconds[0], seconds[1], seconds[2], seconds[3], seconds[4]};
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// The record, the table of results and the closing words.
+PetscErrorCode write_results(MPI_Comm comm, const SceneOptions &options, const RunReport &report) {
+  PetscFunctionBeginUser;
+  const auto record = make_record(report);
+  PetscCheck(record.is_object(), comm, PETSC_ERR_PLIB, "the solver left no record");
+  if (!options.record_file.empty()) {
+    PetscCall(write_text_file(comm, options.record_file, record.dump(1) + "\n"));
+  }
+  if (!options.csv_file.empty()) {
+    PetscCall(write_text_file(comm, options.csv_file, results_table(report)));
+  }
+  PetscCall(PetscPrintf(comm, "%s", summary_of(record).c_str()));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Solves a scene and writes what it was asked for.
+PetscErrorCode solve(MPI_Comm comm, const SceneOptions &options, double begin, int *status) {
+  Scene scene;
+  SolveOutcome outcome;
+  RunReport report;
+  double output_seconds = 0;
+  PetscFunctionBeginUser;
+  PetscCall(build_scene(comm, options, &scene));
+  FieldOutput output(scene, number_of_load_steps(options) != 1);
+  const auto observe = [&](double t, PetscInt iterations) {
+    PetscFunctionBeginUser;
+    const double start = MPI_Wtime();
+    StateReport state;
+    state.iterations = iterations;
+    PetscCall(describe_state(scene, t, &state));
+    report.states.push_back(state);
+    PetscCall(output.write(t));
+    output_seconds += MPI_Wtime() - start;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  };
+  PetscCall(solve_scene(scene, observe, &outcome));
+  if (!outcome.converged) *status = not_converged;
+
+  StateReport end;
+  if (report.states.empty()) {  // nothing converged: the last iterate, or the body at rest
+    const double start = MPI_Wtime();
+    PetscCall(describe_state(scene, outcome.time, &end));
+    PetscCall(output.write(outcome.time));
+    output_seconds += MPI_Wtime() - start;
+  } else {
+    end = report.states.back();
+  }
+  PetscCall(fill_report(scene, outcome, end, &report));
+  report.times = {MPI_Wtime() - begin, scene.read_seconds, scene.setup_seconds, output_seconds,
+                  outcome.guess.seconds};
+  PetscCall(share_times(comm, &report.times));
+  PetscCall(write_results(comm, options, report));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode run(const Arguments &arguments, double begin, int *status) {
   const MPI_Comm comm = PETSC_COMM_WORLD;
   SceneOptions options;
-  Scene scene;
-  SolveOutcome outcome;
-  ProgramTimes times;
-  PetscLogDouble solved = 0, written = 0;
-  std::string record;
   PetscBool asks_for_help = PETSC_FALSE;
-
   PetscFunctionBeginUser;
   PetscCall(TrefoilInitializePackage());
   PetscCall(PetscOptionsHasHelp(nullptr, &asks_for_help));
@@ -48,22 +107,7 @@ PetscErrorCode run(const Arguments &arguments, double begin, int *status) {
   options.scene_files = arguments.scene_files;
   PetscCall(read_scene_options(comm, &options));
   PetscCall(check_outputs(comm, options));
-  PetscCall(build_scene(comm, options, &scene));
-  PetscCall(solve_scene(scene, &outcome));
-  if (!outcome.converged) *status = not_converged;
-
-  PetscCall(PetscTime(&solved));
-  PetscCall(write_fields(scene));
-  PetscCall(PetscTime(&written));
-  times.read = scene.read_seconds;
-  times.setup = scene.setup_seconds;
-  times.output = written - solved;
-  times.total = MPI_Wtime() - begin;
-  PetscCall(complete_record(scene, outcome, times, &record));
-  if (!options.record_file.empty()) {
-    PetscCall(write_text_file(comm, options.record_file, record + "\n"));
-  }
-  PetscCall(print_summary(comm, record));
+  PetscCall(solve(comm, options, begin, status));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -2,41 +2,41 @@
 
 #include <nlohmann/json.hpp>
 
-#include "scene/constraints.hpp"
-#include "scene/loads.hpp"
 #include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
 
 LoadPath::~LoadPath() {
-  static_cast<void>(VecDestroy(&spread_));  // an error has nowhere to go from here
+  for (Vec *vector : {&stand_, &spread_, &spread_of_stand_}) {
+    static_cast<void>(VecDestroy(vector));  // an error has nowhere to go from here
+  }
 }
 
-PetscErrorCode LoadPath::check() {
+PetscErrorCode LoadPath::check(double first, double last) {
   const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(scene_.mesh.dm));
-  HeldDofs first, last;
+  HeldDofs held_first, held_last;
   std::vector<double> first_forces, last_forces;
   PetscMPIInt changes = 0;
   PetscFunctionBeginUser;
-  PetscCall(scene_.constraints.hold(1. / steps_, &first));
-  PetscCall(scene_.constraints.hold(1, &last));
+  PetscCall(scene_.constraints.hold(first, &held_first));
+  PetscCall(scene_.constraints.hold(last, &held_last));
   if (scene_.loads.any()) {
-    PetscCall(scene_.loads.forces(1. / steps_, &first_forces));
-    PetscCall(scene_.loads.forces(1, &last_forces));
+    PetscCall(scene_.loads.forces(first, &first_forces));
+    PetscCall(scene_.loads.forces(last, &last_forces));
   }
-  changes = first.value != last.value || first_forces != last_forces;
+  changes = held_first.value != held_last.value || first_forces != last_forces;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &changes, 1, MPI_INT, MPI_MAX, comm));
   PetscCheck(changes, comm, PETSC_ERR_USER_INPUT,
-             "-load_steps %" PetscInt_FMT
-             " would repeat one solve: nothing is moved or loaded, or all that is stays the same "
-             "from t = 0 to 1",
-             steps_);
+             "-load_steps %s would repeat one solve: nothing is moved or loaded, or all that is "
+             "stays the same from t = 0 to 1",
+             scene_.options.load_steps.c_str());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode LoadPath::set_time(double time) {
   HeldDofs held;
   PetscFunctionBeginUser;
+  time_ = time;
   PetscCall(scene_.constraints.hold(time, &held));
   PetscCall(scene_.discretization.set_prescribed(held));
   PetscCall(scene_.functional->set_time(time));
@@ -44,61 +44,93 @@ PetscErrorCode LoadPath::set_time(double time) {
 }
 
 /// x += h(t) - h(t before), h the harmonic extension of the prescribed displacements.
-PetscErrorCode LoadPath::follow(PetscInt step, GuessCost *cost) {
-  Vec before = spread_;
+PetscErrorCode LoadPath::follow(GuessCost *cost) {
   GuessCost spent;
   PetscFunctionBeginUser;
-  PetscCall(VecDuplicate(scene_.displacement, &spread_));
+  if (!spread_) PetscCall(VecDuplicate(scene_.displacement, &spread_));
   PetscCall(VecSet(spread_, 0));
   PetscCall(spread_displacements(*scene_.functional, scene_.discretization, scene_.hessian, 0,
                                  spread_, &spent));
-  if (step > 1) {
+  if (stand_) {
     PetscCall(VecAXPY(scene_.displacement, 1, spread_));
-    PetscCall(VecAXPY(scene_.displacement, -1, before));
+    PetscCall(VecAXPY(scene_.displacement, -1, spread_of_stand_));
   }
-  PetscCall(VecDestroy(&before));
   cost->linear_solves += spent.linear_solves;
   cost->seconds += spent.seconds;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode LoadPath::go_to(PetscInt step, GuessCost *cost) {
-  const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(scene_.mesh.dm));
-  const double time = step == steps_ ? 1 : static_cast<double>(step) / steps_;
+PetscErrorCode LoadPath::go_to(double time, GuessCost *cost) {
   PetscFunctionBeginUser;
-  PetscCall(PetscPrintf(comm, "load step %" PetscInt_FMT " of %" PetscInt_FMT ", t = %g\n", step,
-                        steps_, time));
   PetscCall(set_time(time));
-  if (scene_.options.initial != "rest") PetscCall(follow(step, cost));
+  if (scene_.options.initial != "rest") PetscCall(follow(cost));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-std::string join_records(const std::vector<std::string> &records) {
-  using Json = nlohmann::ordered_json;
-  if (records.size() == 1) return records.front();
+PetscErrorCode LoadPath::accept() {
+  PetscFunctionBeginUser;
+  if (!stand_) PetscCall(VecDuplicate(scene_.displacement, &stand_));
+  PetscCall(VecCopy(scene_.displacement, stand_));
+  time_of_stand_ = time_;
+  if (spread_) {
+    if (!spread_of_stand_) PetscCall(VecDuplicate(spread_, &spread_of_stand_));
+    PetscCall(VecCopy(spread_, spread_of_stand_));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode LoadPath::go_back() {
+  PetscFunctionBeginUser;
+  PetscCall(set_time(time_of_stand_));
+  if (stand_) {
+    PetscCall(VecCopy(stand_, scene_.displacement));
+  } else {
+    PetscCall(VecSet(scene_.displacement, 0));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Appends a solve's history to that of the solves before.
+void append_history(const SolveRecord &solve, const Json &record, int linear_solves_before,
+                    Json &history) {
+  for (Json entry : record["history"]) {
+    entry["k"] = history.size();
+    entry["linear_solves"] = linear_solves_before + entry["linear_solves"].get<int>();
+    entry["load_step"] = solve.load_step;
+    if (solve.is_rejected) entry["rejected"] = true;
+    history.push_back(entry);
+  }
+}
+
+/// Adds to a solve's counts and times those of the solves before.
+void add_up(const Json &before, Json &record) {
+  for (const char *count : {"saddles_left", "verification_solves", "iterations", "linear_solves",
+                            "line_search_trials"}) {
+    record["result"][count] =
+        record["result"][count].get<int>() + before["result"][count].get<int>();
+  }
+  record["result"]["energy_start"] = before["result"]["energy_start"];
+  for (auto &[phase, seconds] : record["time"].items()) {
+    seconds = seconds.get<double>() + before["time"][phase].get<double>();
+  }
+}
+
+}  // namespace
+
+std::string join_records(const std::vector<SolveRecord> &records) {
+  if (records.size() == 1 && !records.front().is_rejected) return records.front().json;
   Json joined, history = Json::array(), iterations = Json::array();
   int linear_solves = 0;
-  for (std::size_t step = 0; step < records.size(); ++step) {
-    Json record = Json::parse(records[step], nullptr, false);
+  for (const SolveRecord &solve : records) {
+    Json record = Json::parse(solve.json, nullptr, false);
     if (!record.is_object()) return "";
-    for (Json entry : record["history"]) {
-      entry["k"] = history.size();
-      entry["linear_solves"] = linear_solves + entry["linear_solves"].get<int>();
-      entry["load_step"] = step + 1;
-      history.push_back(entry);
-    }
-    iterations.push_back(record["result"]["iterations"]);
-    if (step > 0) {
-      for (const char *count : {"saddles_left", "verification_solves", "iterations",
-                                "linear_solves", "line_search_trials"}) {
-        record["result"][count] =
-            record["result"][count].get<int>() + joined["result"][count].get<int>();
-      }
-      record["result"]["energy_start"] = joined["result"]["energy_start"];
-      for (auto &[phase, seconds] : record["time"].items()) {
-        seconds = seconds.get<double>() + joined["time"][phase].get<double>();
-      }
-    }
+    append_history(solve, record, linear_solves, history);
+    if (!solve.is_rejected) iterations.push_back(record["result"]["iterations"]);
+    if (joined.is_object()) add_up(joined, record);
     linear_solves = record["result"]["linear_solves"];
     joined = record;
   }

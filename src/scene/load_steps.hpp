@@ -8,35 +8,57 @@
 
 namespace trefoil {
 
-/// The way to a scene's loads and displacements in several steps: the time t of their expressions
-/// goes from 1/n to 1, each equilibrium is the start of the next.
+/// The way to a scene's loads and displacements in several steps, the time t of their formulas from
+/// 0 to 1: each equilibrium is the start of the next. Where a step fails one can go back to the
+/// last that stands.
 class LoadPath {
  public:
-  LoadPath(Scene &scene, PetscInt steps) : scene_(scene), steps_(steps) {}
+  explicit LoadPath(Scene &scene) : scene_(scene) {}
   LoadPath(const LoadPath &) = delete;
   LoadPath &operator=(const LoadPath &) = delete;
   ~LoadPath();
 
-  /// Refuses a path on which nothing depends on t. Collective.
-  PetscErrorCode check();
+  /// Refuses a path on which nothing changes between two times. Collective.
+  PetscErrorCode check(double first, double last);
 
-  /// Moves the prescribed vertices and sets the loads for a step, counted from 1. From the second
-  /// on the unknowns follow: with a start other than `rest` by the harmonic extension of what the
-  /// prescribed vertices have moved since the last step. Collective.
-  PetscErrorCode go_to(PetscInt step, GuessCost *cost);
+  /// Moves the prescribed vertices and sets the loads. From the second step on the unknowns follow:
+  /// with a start other than `rest` by the harmonic extension of what the prescribed vertices have
+  /// moved since the last step. Collective.
+  PetscErrorCode go_to(double time, GuessCost *cost);
+
+  /// The scene's displacement stands, as an equilibrium at the time gone to. Collective.
+  PetscErrorCode accept();
+
+  /// Back to the last equilibrium that stands; where there is none yet, to the body at rest.
+  /// Collective.
+  PetscErrorCode go_back();
+
+  /// Whether an equilibrium stands.
+  [[nodiscard]] bool has_stand() const { return stand_ != nullptr; }
 
  private:
   PetscErrorCode set_time(double time);
-  PetscErrorCode follow(PetscInt step, GuessCost *cost);
+  PetscErrorCode follow(GuessCost *cost);
 
   Scene &scene_;
-  PetscInt steps_;
-  Vec spread_ = nullptr;  ///< harmonic extension of the displacements of the last step
+  double time_ = 0, time_of_stand_ = 0;
+  Vec stand_ = nullptr;  ///< the last equilibrium that stands
+  /// Harmonic extensions of the prescribed displacements: at this time, and at that of the stand.
+  Vec spread_ = nullptr, spread_of_stand_ = nullptr;
+};
+
+/// One solve on the way, as the plugin recorded it.
+struct SolveRecord {
+  std::string json;
+  int load_step = 1;         ///< counted from 1
+  double t = 1;              ///< where it led
+  bool is_rejected = false;  ///< it failed, or its end was not taken
 };
 
 /// One record of several solves, one after the other, in the form of each: iterations, solves,
 /// trials, saddles and times added up, the histories in a row, whose entries get a `load_step` and
-/// whose linear solves go on; `load_step_iterations` lists the iterations of each solve.
-std::string join_records(const std::vector<std::string> &records);
+/// whose linear solves go on (those of a solve that was rejected are marked `rejected`);
+/// `load_step_iterations` lists the iterations of each load step. Of a single one it is the record.
+std::string join_records(const std::vector<SolveRecord> &records);
 
 }  // namespace trefoil

@@ -216,6 +216,18 @@ PetscErrorCode Loads::resultant(const std::vector<double> &forces, const double 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode Loads::work(double time, const double *u, double *work) {
+  std::vector<double> all;
+  PetscFunctionBeginUser;
+  *work = 0;
+  if (!any()) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(forces(time, &all));
+  for (std::size_t k = 0; k < all.size(); ++k) *work += all[k] * u[k];
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, work, 1, MPI_DOUBLE, MPI_SUM,
+                             PetscObjectComm(reinterpret_cast<PetscObject>(mesh_->dm))));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode Loads::report(double time, const double *u, std::vector<LoadReport> *reports) {
   std::vector<double> forces;
   PetscFunctionBeginUser;

@@ -31,6 +31,9 @@ class Loads {
   /// local vertex. Collective.
   PetscErrorCode report(double time, const double *u, std::vector<LoadReport> *reports);
 
+  /// The work of the forces at time t on displacements u: sum f.u. Collective.
+  PetscErrorCode work(double time, const double *u, double *work);
+
   /// Sentences about choices that the tolerance would change.
   [[nodiscard]] const std::vector<std::string> &warnings() const { return warnings_; }
 

@@ -75,4 +75,28 @@ PetscErrorCode assign_regions(const Mesh &mesh, const std::vector<RegionOptions>
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode measure_regions(const Mesh &mesh, const SceneOptions &options,
+                               const CellStates &cells, std::vector<RegionReport> *reports) {
+  const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(mesh.dm));
+  PetscFunctionBeginUser;
+  std::vector<double> sums(2 * (options.regions.size() + 1), 0);  // cells and volume of each
+  const std::vector<int> &region = cells.region_of_cell();
+  for (std::size_t c = 0; c < region.size(); ++c) {
+    sums[2 * static_cast<std::size_t>(region[c])] += 1;
+    sums[2 * static_cast<std::size_t>(region[c]) + 1] += cells.rest_volume(c);
+  }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sums.data(), static_cast<PetscMPIInt>(sums.size()),
+                             MPI_DOUBLE, MPI_SUM, comm));
+  reports->clear();
+  for (std::size_t k = 0; k <= options.regions.size(); ++k) {
+    const double density =
+        k == 0 ? options.material.density : options.regions[k - 1].material.density;
+    if (k == 0 && sums[0] == 0) continue;
+    reports->push_back({k == 0 ? "body" : options.regions[k - 1].name,
+                        static_cast<PetscInt64>(sums[2 * k]), sums[2 * k + 1],
+                        density * sums[2 * k + 1]});
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 }  // namespace trefoil

@@ -3,6 +3,8 @@
 #include <vector>
 
 #include "mesh/mesh.hpp"
+#include "output/run_report.hpp"
+#include "scene/cell_states.hpp"
 #include "scene/scene_options.hpp"
 
 namespace trefoil {
@@ -13,5 +15,9 @@ namespace trefoil {
 /// takes no cell, two regions that take the same one.
 PetscErrorCode assign_regions(const Mesh &mesh, const std::vector<RegionOptions> &regions,
                               double where_tolerance, std::vector<int> *region_of_cell);
+
+/// What each region has at rest, the body that is left first if there is any. Collective.
+PetscErrorCode measure_regions(const Mesh &mesh, const SceneOptions &options,
+                               const CellStates &cells, std::vector<RegionReport> *reports);
 
 }  // namespace trefoil

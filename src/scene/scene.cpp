@@ -126,6 +126,9 @@ PetscErrorCode build_scene(MPI_Comm comm, const SceneOptions &options, Scene *sc
   PetscCall(assign_regions(scene->mesh, options.regions, options.where_tolerance, &region_of_cell));
   scene->functional->add_term(make_elastic_term(options, scene->mesh, region_of_cell));
   PetscCall(add_loads(region_of_cell, scene));
+  PetscCall(scene->probes.find(scene->mesh, options.probes));
+  scene->cells = std::make_unique<CellStates>(scene->mesh, options, std::move(region_of_cell));
+  PetscCall(measure_regions(scene->mesh, options, *scene->cells, &scene->regions));
   PetscCall(scene->functional->set_time(1));
   PetscCall(print_choices(comm, scene));
   PetscCall(scene->discretization.create_vector(&scene->displacement));

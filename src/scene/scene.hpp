@@ -4,8 +4,10 @@
 
 #include "assembly/energy_functional.hpp"
 #include "output/run_report.hpp"
+#include "scene/cell_states.hpp"
 #include "scene/constraints.hpp"
 #include "scene/loads.hpp"
+#include "scene/probes.hpp"
 #include "scene/scene_options.hpp"
 
 namespace trefoil {
@@ -18,7 +20,10 @@ struct Scene {
   std::unique_ptr<EnergyFunctional> functional;
   Constraints constraints;
   Loads loads;
+  Probes probes;
+  std::unique_ptr<CellStates> cells;     ///< for output
   std::vector<LoadReport> load_reports;  ///< at t = 1, on the body at rest
+  std::vector<RegionReport> regions;
   std::vector<std::string> warnings;
   Mat hessian = nullptr;
   Vec displacement = nullptr;  ///< the unknowns; the start, later the solution

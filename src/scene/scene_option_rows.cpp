@@ -1,5 +1,7 @@
 #include "scene/scene_option_rows.hpp"
 
+#include "scene/fields.hpp"
+
 namespace trefoil {
 namespace {
 
@@ -106,7 +108,14 @@ std::vector<OptionRow> load_rows(LoadOptions &load) {
 
 std::vector<OptionRow> solve_rows(SceneOptions &options) {
   return {
-      {"load_steps", &options.load_steps, "Solves on the way of t from 0 to 1", "", {}, essential},
+      {"load_steps",
+       &options.load_steps,
+       "Solves on the way of t from 0 to 1: a number, or auto",
+       "",
+       {},
+       essential},
+      {"load_steps_first", &options.first_load_step, "Length of the first one of -load_steps auto"},
+      {"load_steps_least", &options.least_load_step, "Length below which it halves none"},
       {"initial",
        &options.initial,
        "Start: at rest; prescribed displacements spread (harmonic), then as rigid as possible "
@@ -127,13 +136,27 @@ std::vector<OptionRow> solve_rows(SceneOptions &options) {
   };
 }
 
-std::vector<OptionRow> output_rows(SceneOptions &options) {
-  return {{"output_file",
-           &options.output_file,
-           "Fields for ParaView, an .xdmf file",
-           "",
+std::vector<OptionRow> probe_rows(ProbeOptions &probe) {
+  return {{"probe_" + probe.name,
+           &probe.place,
+           "Place at rest whose displacement is told",
+           length,
            {},
            essential}};
+}
+
+std::vector<OptionRow> output_rows(SceneOptions &options) {
+  return {
+      {"output_file",
+       &options.output_file,
+       "Fields for ParaView, .xdmf or .vtu",
+       "",
+       {},
+       essential},
+      {"output_fields", &options.output_fields, "Which, where not a good few", "",
+       names_of_fields(), essential},
+      {"output_csv", &options.csv_file, "Table of the results, a line for each load step"},
+  };
 }
 
 std::vector<OptionRow> solver_rows(SceneOptions &options) {
@@ -153,6 +176,7 @@ std::vector<OptionGroup> scene_option_groups() {
   static RegionOptions region{"NAME"};
   static ConstraintOptions constraint{"NAME"};
   static LoadOptions load{"NAME"};
+  static ProbeOptions probe{"NAME"};
   static MaterialInput material, region_material;
   static std::vector<std::string> none;
   material.model = options.material.model;
@@ -172,7 +196,7 @@ std::vector<OptionGroup> scene_option_groups() {
       {"Constraints", joined({{names_row("constraints", none)}, constraint_rows(constraint)})},
       {"Loads", joined({gravity_rows(options.loads), {names_row("loads", none)}, load_rows(load)})},
       {"Solve", solve_rows(options)},
-      {"Output", output_rows(options)},
+      {"Output", joined({output_rows(options), {names_row("probes", none)}, probe_rows(probe)})},
   };
 }
 

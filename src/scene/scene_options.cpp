@@ -3,9 +3,11 @@
 #include <petscpartitioner.h>
 
 #include <algorithm>
+#include <charconv>
 #include <filesystem>
 #include <utility>
 
+#include "output/snapshot.hpp"
 #include "scene/initial_displacement.hpp"
 #include "scene/scene_option_rows.hpp"
 #include "scene/unknown_options.hpp"
@@ -42,6 +44,21 @@ PetscErrorCode read_constraints(MPI_Comm comm, OptionReader &reader, SceneOption
                "constraint '%s' has no -constraint_%s_where: say which vertices it takes",
                name.c_str(), name.c_str());
     options->constraints.push_back(constraint);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode read_probes(MPI_Comm comm, OptionReader &reader, SceneOptions *options) {
+  std::vector<std::string> names;
+  PetscFunctionBeginUser;
+  PetscCall(reader.read(names_row("probes", names)));
+  for (const std::string &name : names) {
+    ProbeOptions probe{name};
+    PetscCall(reader.read(probe_rows(probe)));
+    PetscCheck(!probe.place.empty(), comm, PETSC_ERR_USER_INPUT,
+               "probe '%s' has no place: say where, -probe_%s \"0, 0, 1\"", name.c_str(),
+               name.c_str());
+    options->probes.push_back(probe);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -93,16 +110,16 @@ bool is_same_file(const std::string &one, const std::string &other) {
 /// No file is written over another that is read or written.
 PetscErrorCode check_files(MPI_Comm comm, const SceneOptions &options) {
   PetscFunctionBeginUser;
-  const std::string data =
-      options.output_file.empty()
-          ? ""
-          : std::filesystem::path(options.output_file).replace_extension(".h5").string();
   std::vector<std::string> taken = options.scene_files;
   taken.push_back(options.mesh_file);
-  const std::pair<std::string, std::string> written[] = {
-      {"output_file", options.output_file},
-      {"output_file", data},
-      {"snes_trefoil_record", options.record_file}};
+  std::vector<std::pair<std::string, std::string>> written{
+      {"output_csv", options.csv_file}, {"snes_trefoil_record", options.record_file}};
+  if (!options.output_file.empty()) {
+    const std::vector<std::string> files = files_of_output(options.output_file);
+    for (auto file = files.rbegin(); file != files.rend(); ++file) {
+      written.insert(written.begin(), {"output_file", *file});
+    }
+  }
   for (const auto &[option, file] : written) {
     for (const std::string &other : taken) {
       PetscCheck(!is_same_file(file, other), comm, PETSC_ERR_USER_INPUT,
@@ -145,8 +162,14 @@ PetscErrorCode check_values(MPI_Comm comm, const SceneOptions &options) {
              "-order is %" PetscInt_FMT
              "; elements are linear (1), quadratic (2), or as the mesh has them (0)",
              options.order);
-  PetscCheck(options.load_steps > 0, comm, PETSC_ERR_USER_INPUT,
-             "-load_steps is %" PetscInt_FMT "; give 1 or more", options.load_steps);
+  PetscCheck(options.load_steps == "auto" || number_of_load_steps(options) > 0, comm,
+             PETSC_ERR_USER_INPUT, "-load_steps is %s; give a whole number from 1 on, or auto",
+             options.load_steps.c_str());
+  PetscCheck(options.first_load_step > 0 && options.first_load_step <= 1 &&
+                 options.least_load_step > 0 && options.least_load_step <= 1,
+             comm, PETSC_ERR_USER_INPUT,
+             "-load_steps_first (%g) and -load_steps_least (%g) must lie above 0 and not above 1",
+             options.first_load_step, options.least_load_step);
   PetscCheck(options.where_tolerance >= 0 && options.where_tolerance < 1, comm,
              PETSC_ERR_USER_INPUT,
              "-where_tolerance is %g; it is a share of the box's diagonal, from 0 to 1",
@@ -158,6 +181,13 @@ PetscErrorCode check_values(MPI_Comm comm, const SceneOptions &options) {
 
 }  // namespace
 
+PetscInt number_of_load_steps(const SceneOptions &options) {
+  const std::string &text = options.load_steps;
+  int count = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), count);
+  return error == std::errc{} && end == text.data() + text.size() ? count : 0;
+}
+
 PetscErrorCode read_scene_options(MPI_Comm comm, SceneOptions *options) {
   OptionReader reader(comm);
   PetscFunctionBeginUser;
@@ -168,6 +198,7 @@ PetscErrorCode read_scene_options(MPI_Comm comm, SceneOptions *options) {
   PetscCall(read_loads(comm, reader, &options->loads));
   PetscCall(reader.read(solve_rows(*options)));
   PetscCall(reader.read(output_rows(*options)));
+  PetscCall(read_probes(comm, reader, options));
   PetscCall(reader.read(solver_rows(*options)));
   PetscCall(refuse_unknown(comm, reader.known()));
   PetscCall(check_values(comm, *options));

@@ -39,6 +39,12 @@ struct LoadOptions {
   }
 };
 
+/// A place whose displacement is asked for.
+struct ProbeOptions {
+  std::string name;
+  std::string place = {};  ///< formula with a value for each dimension, at rest
+};
+
 /// What pulls at the body.
 struct LoadsOptions {
   std::string gravity = {};  ///< formula with a value for each dimension: acceleration; empty: none
@@ -57,13 +63,18 @@ struct SceneOptions {
   std::vector<ConstraintOptions> constraints;
   LoadsOptions loads;
   double where_tolerance = 1e-9;  ///< of every `where`: ==, <= and >= hold within, box diagonals
-  PetscInt load_steps = 1;
+  std::string load_steps = "1";   ///< a number, or auto
+  double first_load_step = 0.25;  ///< length of the first one, of `auto`
+  double least_load_step = 1. / 1024;  ///< below which none is halved
   std::string initial = "auto";
   std::string initial_displacement;      ///< expression, for initial `expression`
   PetscInt initial_steps = 20;           ///< local/global steps of arap
   std::string filter_space = "element";  ///< -snes_trefoil_space, which the element term reads
   std::string assembly = "split";        ///< or "hook": through the plugin's watch on the Mat
   std::string output_file;
+  std::vector<std::string> output_fields;  ///< empty: see default_fields()
+  std::string csv_file;                    ///< results as a table
+  std::vector<ProbeOptions> probes;
   std::string record_file;  ///< -snes_trefoil_record; the program completes and writes it
   std::vector<std::string> scene_files;  ///< what the program has read: not to be written over
 };
@@ -71,6 +82,9 @@ struct SceneOptions {
 /// Reads the scene from PETSc's options. Misspelt names and values out of range are errors with one
 /// sentence on all ranks. Collective.
 PetscErrorCode read_scene_options(MPI_Comm comm, SceneOptions *options);
+
+/// How many equal steps the loads come in; 0: auto.
+PetscInt number_of_load_steps(const SceneOptions &options);
 
 /// All options of a scene, with their defaults; those of its named parts as of a part called NAME.
 std::vector<OptionGroup> scene_option_groups();

@@ -2,10 +2,16 @@
 
 #include <petsctime.h>
 
+#include <array>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
 #include "scene/initial_displacement.hpp"
 #include "scene/load_steps.hpp"
 #include "scene/solver_help.hpp"
 #include "scene/start_check.hpp"
+#include "scene/step_sizes.hpp"
 #include "scene/unknown_options.hpp"
 #include "support/petsc_compatibility.hpp"
 #include "trefoil.h"
@@ -170,9 +176,33 @@ PetscErrorCode make_start(Scene &scene, SolveOutcome *outcome) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// Solves from the scene's displacement on and appends the plugin's record.
-PetscErrorCode solve_from_start(Scene &scene, double head_start, SolveOutcome *outcome,
-                                std::vector<std::string> *records) {
+/// How one solve on the way went.
+struct Attempt {
+  bool converged = false;
+  PetscInt iterations = 0;
+  PetscInt64 inverted = 0;
+  std::string record, reason;
+};
+
+PetscErrorCode set_up_solver(Scene &scene, double head_start, const SolveOutcome &outcome,
+                             SNES *snes) {
+  PetscFunctionBeginUser;
+  PetscCall(SNESCreate(PetscObjectComm(reinterpret_cast<PetscObject>(scene.mesh.dm)), snes));
+  PetscCall(scene.functional->attach(*snes, scene.hessian, assembly_of(scene.options)));
+  PetscCall(set_defaults(*snes, outcome, head_start));
+  PetscCall(SNESSetFromOptions(*snes));
+  PetscCall(check_solver(*snes));
+  PetscCall(TrefoilSNESSetFromOptions(*snes));     // also where another type does not read them
+  PetscCall(TrefoilSNESSetRecordFile(*snes, ""));  // the program writes it, completed
+  PetscCall(set_linear_solver(*snes));
+  PetscCall(SNESMonitorSet(*snes, refuse_unused_once, nullptr, nullptr));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Solves from the scene's displacement on.
+/// @param may_fail whether a start of infinite energy is a failure like others, not bad input
+PetscErrorCode solve_from_start(Scene &scene, double head_start, bool may_fail,
+                                const SolveOutcome &outcome, Attempt *attempt) {
   const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(scene.mesh.dm));
   SNES snes = nullptr;
   const char *record = nullptr;
@@ -180,51 +210,172 @@ PetscErrorCode solve_from_start(Scene &scene, double head_start, SolveOutcome *o
   PetscInt linear_iterations = 0;
   EnergySums start;
   PetscFunctionBeginUser;
-  PetscCall(SNESCreate(comm, &snes));
-  PetscCall(scene.functional->attach(snes, scene.hessian, assembly_of(scene.options)));
-  PetscCall(set_defaults(snes, *outcome, head_start));
-  PetscCall(SNESSetFromOptions(snes));
-  PetscCall(check_solver(snes));
-  PetscCall(TrefoilSNESSetFromOptions(snes));     // also where another type does not read them
-  PetscCall(TrefoilSNESSetRecordFile(snes, ""));  // the program writes it, completed
-  PetscCall(set_linear_solver(snes));
-
-  PetscCall(SNESMonitorSet(snes, refuse_unused_once, nullptr, nullptr));
+  PetscCall(set_up_solver(scene, head_start, outcome, &snes));
   PetscCall(scene.functional->energy(scene.displacement, &start));
+  if (may_fail && !std::isfinite(start.energy)) {
+    attempt->reason = "its start has infinite energy";
+    PetscCall(SNESDestroy(&snes));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCall(check_start(scene, start.energy));
   PetscCall(solve(snes, scene.displacement));
   PetscCall(SNESGetLinearSolveIterations(snes, &linear_iterations));
   // There may have been no second iteration.
   if (linear_iterations > 0) PetscCall(refuse_unused_of_solver(comm));
   PetscCall(SNESGetConvergedReason(snes, &reason));
-  outcome->converged = reason > 0;
   PetscCall(TrefoilSNESGetRecord(snes, &record));
-  records->emplace_back(record);
+  attempt->converged = reason > 0;
+  attempt->record = record;
+  const auto json = nlohmann::json::parse(attempt->record, nullptr, false);
+  PetscCheck(json.is_object(), comm, PETSC_ERR_PLIB, "the solver left no record");
+  attempt->iterations = json["result"]["iterations"];
+  attempt->reason = json["result"]["reason"];
   PetscCall(SNESDestroy(&snes));
+  PetscCall(scene.functional->count_inverted(scene.displacement, &attempt->inverted));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+StepSizes step_sizes_of(const SceneOptions &options) {
+  const PetscInt steps = number_of_load_steps(options);
+  return steps > 0 ? StepSizes::equal(static_cast<int>(steps))
+                   : StepSizes::adaptive(options.first_load_step, options.least_load_step);
+}
+
+/// The way from t = 0 to 1, step by step.
+class Walk {
+ public:
+  Walk(Scene &scene, const StateObserver &observe, SolveOutcome *outcome)
+      : scene_(scene),
+        observe_(observe),
+        outcome_(outcome),
+        comm_(PetscObjectComm(reinterpret_cast<PetscObject>(scene.mesh.dm))),
+        sizes_(step_sizes_of(scene.options)),
+        path_(scene) {}
+
+  PetscErrorCode go();
+
+ private:
+  [[nodiscard]] bool has_steps() const { return sizes_.count() != 1; }
+  PetscErrorCode say_step(double time) const;
+  PetscErrorCode take_step(double time, Attempt *attempt);
+  PetscErrorCode accept(double time, const Attempt &attempt);
+  PetscErrorCode reject(double time, const Attempt &attempt, bool *goes_on);
+  void record(double time, const Attempt &attempt, bool is_rejected);
+
+  Scene &scene_;
+  const StateObserver &observe_;
+  SolveOutcome *outcome_;
+  MPI_Comm comm_;
+  StepSizes sizes_;
+  LoadPath path_;
+  std::vector<SolveRecord> records_;
+  PetscLogDouble begin_ = 0;
+  PetscInt64 inverted_ = 0;  ///< elements, at the last equilibrium that stands
+};
+
+PetscErrorCode Walk::say_step(double time) const {
+  PetscFunctionBeginUser;
+  std::ostringstream text;  // PETSc would print "t = 1."
+  text << "load step " << sizes_.accepted() + 1;
+  if (!sizes_.is_adaptive()) text << " of " << sizes_.count();
+  text << ", t = " << time;
+  PetscCall(PetscPrintf(comm_, "%s\n", text.str().c_str()));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Walk::take_step(double time, Attempt *attempt) {
+  PetscLogDouble now = 0;
+  PetscFunctionBeginUser;
+  if (has_steps()) {
+    PetscCall(say_step(time));
+    PetscCall(path_.go_to(time, &outcome_->guess));
+  }
+  if (!path_.has_stand()) PetscCall(make_start(scene_, outcome_));
+  PetscCall(PetscTime(&now));
+  const double head_start = has_steps() ? now - begin_ : outcome_->guess.seconds;
+  PetscCall(solve_from_start(scene_, head_start, sizes_.is_adaptive(), *outcome_, attempt));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void Walk::record(double time, const Attempt &attempt, bool is_rejected) {
+  if (attempt.record.empty()) return;
+  records_.push_back({attempt.record, sizes_.accepted() + 1, time, is_rejected});
+}
+
+PetscErrorCode Walk::accept(double time, const Attempt &attempt) {
+  constexpr PetscInt easy_iterations = 8;
+  PetscFunctionBeginUser;
+  record(time, attempt, false);
+  inverted_ = attempt.inverted;
+  if (has_steps()) PetscCall(path_.accept());
+  sizes_.accept(attempt.iterations <= easy_iterations);
+  PetscCall(observe_(time, attempt.iterations));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Back to the last equilibrium that stands. @param goes_on whether a shorter step is left
+PetscErrorCode Walk::reject(double time, const Attempt &attempt, bool *goes_on) {
+  PetscFunctionBeginUser;
+  *goes_on = sizes_.halve();
+  if (!*goes_on && attempt.converged) {  // elements are turned round however short the step is
+    PetscCall(accept(time, attempt));
+    *goes_on = true;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  // What counts of a way that ends here is how the last solve on it went.
+  record(time, attempt, *goes_on);
+  PetscCall(path_.go_back());
+  std::ostringstream text;
+  if (*goes_on) {
+    text << "the step to t = " << time << " is halved: ";
+  } else {
+    text << "the load step from t = " << sizes_.time() << " to " << time << " failed: ";
+  }
+  if (attempt.converged) {
+    text << "it turns " << attempt.inverted - inverted_ << " elements round";
+  } else {
+    text << attempt.reason;
+  }
+  if (*goes_on) {
+    PetscCall(PetscPrintf(comm_, "%s\n", text.str().c_str()));
+  } else {
+    outcome_->failure = text.str();
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Walk::go() {
+  bool goes_on = true;
+  PetscFunctionBeginUser;
+  if (has_steps()) PetscCall(path_.check(sizes_.next() < 1 ? sizes_.next() : 0.5, 1));
+  PetscCall(PetscTime(&begin_));
+  while (!sizes_.is_done() && goes_on) {
+    const double time = sizes_.next();
+    Attempt attempt;
+    PetscCall(take_step(time, &attempt));
+    const bool turns_elements = sizes_.is_adaptive() && attempt.inverted > inverted_;
+    if (attempt.converged && !turns_elements) {
+      PetscCall(accept(time, attempt));
+    } else if (has_steps()) {
+      PetscCall(reject(time, attempt, &goes_on));
+    } else {
+      record(time, attempt, false);
+      goes_on = false;
+    }
+  }
+  outcome_->converged = sizes_.is_done();
+  outcome_->time = has_steps() ? sizes_.time() : 1;
+  outcome_->plugin_record = join_records(records_);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 }  // namespace
 
-PetscErrorCode solve_scene(Scene &scene, SolveOutcome *outcome) {
-  const PetscInt steps = scene.options.load_steps;
-  LoadPath path(scene, steps);
-  std::vector<std::string> records;
-  PetscLogDouble begin = 0, now = 0;
+PetscErrorCode solve_scene(Scene &scene, const StateObserver &observe, SolveOutcome *outcome) {
   EnergySums end;
   PetscFunctionBeginUser;
-  if (steps > 1) PetscCall(path.check());
-  PetscCall(PetscTime(&begin));
   PetscCall(scene.functional->energy_at_rest(&outcome->energy_rest));
-  outcome->converged = true;
-  for (PetscInt step = 1; step <= steps && outcome->converged; ++step) {
-    if (steps > 1) PetscCall(path.go_to(step, &outcome->guess));
-    if (step == 1) PetscCall(make_start(scene, outcome));
-    PetscCall(PetscTime(&now));
-    const double head_start = steps > 1 ? now - begin : outcome->guess.seconds;
-    PetscCall(solve_from_start(scene, head_start, outcome, &records));
-  }
-  outcome->plugin_record = join_records(records);
+  PetscCall(Walk(scene, observe, outcome).go());
   PetscCall(scene.functional->energy(scene.displacement, &end));
   outcome->energy_scale = end.scale;
   PetscCall(scene.functional->count_inverted(scene.displacement, &outcome->inverted));

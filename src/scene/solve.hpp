@@ -2,8 +2,10 @@
 
 #include <petscsnes.h>
 
+#include <functional>
 #include <string>
 
+#include "output/run_report.hpp"
 #include "scene/scene.hpp"
 #include "scene/starting_guess.hpp"
 
@@ -12,15 +14,25 @@ namespace trefoil {
 /// What a run found, beside the plugin's own record.
 struct SolveOutcome {
   bool converged = false;
+  /// Where the way in load steps ended before t = 1, and why; empty: it did not.
+  std::string failure;
+  double time = 1;            ///< t of the state that the scene is left at
   std::string plugin_record;  ///< JSON of the plugin, see TrefoilSNESGetRecord()
   GuessCost guess;
   double energy_rest = 0, energy_scale = 0;
   PetscInt64 inverted_at_start = 0, inverted = 0;
 };
 
+/// What is done with each equilibrium that stands, where the scene is at it: at time t, after so
+/// many iterations.
+using StateObserver = std::function<PetscErrorCode(double t, PetscInt iterations)>;
+
 /// Minimises the scene's energy from its start with SNES, by default of type trefoil with a direct
-/// solver; every -snes_*, -ksp_* and -pc_* of the user wins. Collective. A solve that does not
-/// converge is no error: `converged` says so.
-PetscErrorCode solve_scene(Scene &scene, SolveOutcome *outcome);
+/// solver; every -snes_*, -ksp_* and -pc_* of the user wins. In load steps each equilibrium is the
+/// start of the next; `auto` ones are halved where a step fails or turns elements round, and grow
+/// again. Collective. A solve that does not converge is no error: `converged` says so, and the
+/// scene is left at the last equilibrium that stands (where there was but one solve, at its last
+/// iterate).
+PetscErrorCode solve_scene(Scene &scene, const StateObserver &observe, SolveOutcome *outcome);
 
 }  // namespace trefoil

@@ -35,7 +35,7 @@ PetscErrorCode check_start(const Scene &scene, double energy) {
   if (std::isfinite(energy)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
   PetscCallMPI(MPI_Comm_size(comm, &ranks));
-  PetscCall(scene.functional->describe_cells(scene.displacement, &report));
+  PetscCall(scene.functional->describe_cells(scene.displacement, &report, false));
   for (std::size_t c = 0; c < report.energy_density.size(); ++c) {
     if (std::isfinite(report.energy_density[c])) continue;
     const bool inverted = report.determinant[c] <= 0 && report.determinant[c] > -beyond_bodies;
@@ -50,7 +50,7 @@ PetscErrorCode check_start(const Scene &scene, double energy) {
              "the energy of the start is not finite; check the constraints' displacements and the "
              "loads");
   const bool at_once = scene.options.initial == "rest";
-  const PetscInt steps = scene.options.load_steps;
+  const PetscInt steps = number_of_load_steps(scene.options);
   const std::string in_steps = steps > 1 ? "take more -load_steps than " + std::to_string(steps)
                                          : std::string("apply the displacements in -load_steps");
   SETERRQ(comm, PETSC_ERR_USER_INPUT,

@@ -1,0 +1,58 @@
+#include "scene/report.hpp"
+
+#include "support/petsc_compatibility.hpp"
+
+namespace trefoil {
+namespace {
+
+PetscErrorCode describe_mesh(const Scene &scene, MeshReport *report) {
+  const Mesh &mesh = scene.mesh;
+  PetscFunctionBeginUser;
+  report->vertices = mesh.total_corners;
+  report->nodes = mesh.total_vertices;
+  report->elements = mesh.total_cells;
+  report->parts = mesh.parts;
+  report->element = mesh.element_name();
+  report->dofs = mesh.dimension() * mesh.total_vertices;
+  report->free_dofs = scene.discretization.total_dofs();
+  report->edge_cut = mesh.edge_cut;
+  report->imbalance = mesh.imbalance;
+  report->bytes = mesh.bytes() + scene.discretization.bytes() + scene.functional->bytes();
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &report->bytes, 1, MPI_DOUBLE, MPI_SUM,
+                             PetscObjectComm(reinterpret_cast<PetscObject>(mesh.dm))));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+}  // namespace
+
+PetscErrorCode fill_report(const Scene &scene, const SolveOutcome &outcome, const StateReport &end,
+                           RunReport *report) {
+  PetscFunctionBeginUser;
+  PetscCall(describe_mesh(scene, &report->mesh));
+  report->mesh.inverted_at_start = outcome.inverted_at_start;
+  report->plugin_record = outcome.plugin_record;
+  report->failure = outcome.failure;
+  report->end = end;
+  report->constraints = scene.constraints.reports();
+  for (std::size_t k = 0; k < report->constraints.size(); ++k) {
+    report->constraints[k].reaction = end.reactions[k];
+  }
+  report->loads = scene.load_reports;
+  for (std::size_t k = 0; k < report->loads.size(); ++k) {
+    report->loads[k].resultant = end.loads[k];
+  }
+  report->regions = scene.regions;
+  report->warnings = scene.warnings;
+  if (outcome.inverted > 0) {
+    report->warnings.push_back(std::to_string(outcome.inverted) +
+                               (outcome.inverted == 1 ? " element is" : " elements are") +
+                               " inverted at the end: det F <= 0");
+  }
+  report->energy_rest = outcome.energy_rest;
+  report->energy_scale = outcome.energy_scale;
+  report->guess_linear_solves = outcome.guess.linear_solves;
+  report->inverted = outcome.inverted;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+}  // namespace trefoil
