@@ -12,7 +12,7 @@ namespace {
 /// All entries of the tensors, and the volume they stand for: rounded up to whole vectors.
 constexpr std::size_t entries = 36, vectors = entries / 3 + 1;
 
-std::array<double, 3 * vectors> packed(const MeanTensors &tensors, double volume) {
+std::array<double, 3 * vectors> as_numbers(const MeanTensors &tensors, double volume) {
   std::array<double, 3 * vectors> numbers{};
   std::size_t k = 0;
   for (const Matrix3<double> *tensor :
@@ -23,7 +23,7 @@ std::array<double, 3 * vectors> packed(const MeanTensors &tensors, double volume
   return numbers;
 }
 
-MeanTensors unpacked(const std::array<double, 3 * vectors> &numbers) {
+MeanTensors as_tensors(const std::array<double, 3 * vectors> &numbers) {
   MeanTensors tensors;
   std::size_t k = 0;
   for (Matrix3<double> *tensor :
@@ -82,13 +82,13 @@ PetscErrorCode compute_mean_tensors(const Mesh &mesh, const CellStates &cells, c
   for (int region = 0; region < cells.regions(); ++region) {
     VertexSums sums(mesh);
     for (std::size_t c = 0; c < region_of_cell.size(); ++c) {
-      if (region_of_cell[c] == region) sums.add(c, packed((*of_cells)[c], volumes[c]));
+      if (region_of_cell[c] == region) sums.add(c, as_numbers((*of_cells)[c], volumes[c]));
     }
     PetscCall(sums.complete());
     for (std::size_t v = 0; v < mesh.owned.size(); ++v) {
       const auto numbers = sums.of(v);
       if (!mesh.owned[v] || !(numbers[entries] > 0)) continue;
-      const MeanTensors mean = unpacked(numbers);
+      const MeanTensors mean = as_tensors(numbers);
       const double equivalent = von_mises(mean.cauchy);
       if (equivalent <= stress[v]) continue;
       stress[v] = equivalent;

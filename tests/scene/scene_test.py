@@ -245,7 +245,7 @@ class Output(unittest.TestCase):
             right = mesh.points[:, 0] > mesh.points[:, 0].max() - 0.8
             self.assertTrue(abs(displacement[right, 0] - 4).max() < 1e-12)
             cells = {name: values[0] for name, values in mesh.cell_data.items()}
-            self.assertEqual(set(cells), {"determinant_F", "energy_density",
+            self.assertEqual(set(cells), {"von_mises", "determinant_F", "energy_density",
                                           "negative_eigenvalues", "rank"})
             self.assertTrue((cells["determinant_F"] > 0).all())
             self.assertEqual(set(cells["rank"]), {0, 1})
