@@ -22,6 +22,8 @@ class AdaptiveRule final : public Rule {
     return std::abs(last.rho - 1) < tolerance_ ? clamp : absolute;
   }
 
+  [[nodiscard]] bool uses_rho() const override { return true; }
+
  private:
   double tolerance_;
 };

@@ -20,6 +20,8 @@ class BlendRule final : public Rule {
     return sum > 0 ? 0.5 + 0.5 * error / sum : 0.5;
   }
 
+  [[nodiscard]] bool uses_rho() const override { return true; }
+
  private:
   double tolerance_;
 };

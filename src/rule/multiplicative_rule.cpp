@@ -27,6 +27,8 @@ class MultiplicativeRule final : public Rule {
     return std::min(2 * refused.weight, 0.5);
   }
 
+  [[nodiscard]] bool uses_rho() const override { return true; }
+
  private:
   static constexpr double least = 0.125, most = 4;
   double tolerance_;

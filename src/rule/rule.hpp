@@ -29,6 +29,8 @@ class Rule {
   [[nodiscard]] virtual double floor() const { return 0; }
   /// The least weight it may choose: below 1/2 the Jacobian may be indefinite.
   [[nodiscard]] virtual double least_weight() const { return 0.5; }
+  /// Whether it looks at the trust-region ratio, and so at -snes_trefoil_rho_tolerance.
+  [[nodiscard]] virtual bool uses_rho() const { return false; }
   /// Whether it chooses weights with which the Jacobian may be indefinite, and knows what then.
   [[nodiscard]] virtual bool may_be_rejected() const { return false; }
   /// The weight to try instead of that of the iteration under way, whose Jacobian turned out to be

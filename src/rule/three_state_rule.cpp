@@ -32,6 +32,8 @@ class ThreeStateRule final : public Rule {
     return 0.5;
   }
 
+  [[nodiscard]] bool uses_rho() const override { return true; }
+
  private:
   static constexpr double patience = 100;
   double tolerance_;

@@ -63,6 +63,7 @@ PetscErrorCode replace_direction(SNES snes, KSP ksp, double weight, FilteredJaco
   jacobian.imposed_weight.reset();
   PetscCall(KSPSolve(ksp, state.residual, state.update));
   PetscCall(KSPGetIterationNumber(ksp, &linear_iterations));
+  ++record.factorisations;
   PetscCall(take_solvers_direction(state));
   record.clock.switch_to(Phase::line_search);
   record.current.decrement = std::abs(state.slope) / 2;

@@ -5,8 +5,8 @@
 
 namespace trefoil {
 
-/// Where no step along a descending direction lowers the objective: refuses an objective whose slope
-/// is not that of the residual, of which one is then not the other's gradient. Collective.
+/// Where no step along a descending direction lowers the objective: refuses an objective whose
+/// slope is not that of the residual, of which one is then not the other's gradient. Collective.
 PetscErrorCode refuse_foreign_objective(LineSearchState &state);
 
 /// Refuses a solve without an objective whose energy falls faster and faster while the residual

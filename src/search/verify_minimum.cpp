@@ -47,17 +47,20 @@ PetscErrorCode factor(PC solver, bool *done) {
 }
 
 /// Tries Cholesky factors of H itself and leaves those of H + 2 w N where it has none.
-PetscErrorCode try_factors(KSP ksp, PC solver, FilteredJacobian &jacobian, bool *definite) {
+PetscErrorCode try_factors(KSP ksp, PC solver, FilteredJacobian &jacobian, SolveRecord &record,
+                           bool *definite) {
   Inertia inertia = Inertia::unknown;
   bool done = false;
   PetscFunctionBeginUser;
   PetscCall(jacobian.remove_filter());
   PetscCall(factor(solver, &done));
+  ++record.factorisations;
   if (done) PetscCall(inertia_of_factors(ksp, &inertia));
   *definite = inertia == Inertia::definite;
   if (!*definite) {
     PetscCall(jacobian.restore_filter());
     PetscCall(factor(solver, &done));
+    ++record.factorisations;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -82,7 +85,7 @@ PetscErrorCode classify(KSP ksp, FilteredJacobian &jacobian, LineSearchState &st
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   const Phase phase = record.clock.switch_to(Phase::linear_solve);
-  if (inertia != Inertia::unknown) PetscCall(try_factors(ksp, solver, jacobian, factored));
+  if (inertia != Inertia::unknown) PetscCall(try_factors(ksp, solver, jacobian, record, factored));
   if (*factored) {
     *kind = StationaryPoint::minimum;
   } else if (positive_solver) {

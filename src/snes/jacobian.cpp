@@ -14,7 +14,10 @@ namespace {
 PetscErrorCode after_linear_solve(KSP ksp, Vec, Vec, void *ctx) {
   auto &record = *static_cast<SolveRecord *>(ctx);
   PetscInt iterations = 0;
+  PetscBool reused = PETSC_FALSE;
   PetscFunctionBeginUser;
+  PetscCall(KSPGetReusePreconditioner(ksp, &reused));
+  record.factorisations += !reused;
   PetscCall(KSPGetIterationNumber(ksp, &iterations));
   record.current.linear_iterations = static_cast<int>(iterations);
   record.clock.switch_to(Phase::other);
@@ -97,9 +100,13 @@ PetscErrorCode check_capabilities(MPI_Comm comm, const SolverOptions &options,
 PetscErrorCode compute_split(Solver &solver, Vec x, Mat H, bool filtered, InsertionCounts *counts,
                              double *filter_seconds) {
   const SplitJacobian &split = solver.split_jacobian;
+  const bool names_fields = !solver.options.fields.empty();
   Mat *const negative = filtered ? solver.jacobian.place_of_negative() : nullptr;
   TrefoilSplitStatistics mine{};
   PetscFunctionBeginUser;
+  if (names_fields) {
+    PetscCall(solver.note("-snes_trefoil_fields has no effect with a split callback"));
+  }
   PetscCall(split.function(solver.snes, x, H, negative, &mine, split.context));
   PetscInt64 sums[2] = {mine.elements, mine.indefinite};
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sums, 2, MPIU_INT64, MPI_SUM,

@@ -7,8 +7,8 @@
 namespace trefoil {
 
 /// PETSc's own test of Jacobians by finite differences, -snes_test_jacobian, which looks at the
-/// matrix after the callback: a right Jacobian H would fail it as H + 2 w N. So it is run here while
-/// the matrix is H, and PETSc is kept from running it once more.
+/// matrix after the callback: a right Jacobian H would fail it as H + 2 w N. So it is run here
+/// while the matrix is H, and PETSc is kept from running it once more.
 class JacobianTest {
  public:
   /// Runs the test where the user wants it. Collective.

@@ -180,6 +180,7 @@ Json result_json(const SolveRecord &record, double offset) {
           {"verification_solves", record.verification_solves},
           {"iterations", record.iterations},
           {"linear_solves", record.linear_solves},
+          {"factorisations", record.factorisations},
           {"line_search_trials", trials},
           {"energy_start",
            number(history.empty() ? IterationRecord::none : history.front().energy + offset)},

@@ -116,15 +116,18 @@ static PetscErrorCode open_iteration(Solver &solver, const LineSearchState &stat
   SolveRecord &record = solver.record;
   IterationRecord opened;
   PetscInt iteration = 0, linear_iterations = 0;
+  PetscBool reused = PETSC_FALSE;
   KSP ksp = nullptr;
   PetscFunctionBegin;
+  PetscCall(SNESGetKSP(solver.snes, &ksp));
+  PetscCall(KSPGetReusePreconditioner(ksp, &reused));
   if (!solver.jacobian_is_new) {  // the SNES lags it
     ++record.iterations;
     ++record.linear_solves;
   }
+  record.factorisations += solver.jacobian_is_new && !reused;
   solver.jacobian_is_new = false;
   PetscCall(SNESGetIterationNumber(solver.snes, &iteration));
-  PetscCall(SNESGetKSP(solver.snes, &ksp));
   PetscCall(KSPGetIterationNumber(ksp, &linear_iterations));
   opened.k = static_cast<int>(iteration);
   opened.energy = state.energy;

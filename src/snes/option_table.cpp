@@ -18,6 +18,17 @@ bool is_not_negative(double value) {
 }
 constexpr const char *not_negative = "must not be negative";
 
+const char *without_planes(const SolverOptions &options) {
+  return options.search.kind == TREFOIL_SEARCH_SUBSPACE ? nullptr : "-snes_trefoil_search armijo";
+}
+
+/// Search `subspace` begins once |rho - 1| is below the tolerance as well.
+const char *without_rho(const SolverOptions &options) {
+  if (!without_planes(options) && !options.search.trust_start) return nullptr;
+  const auto rule = make_rule(options.filter, options.rule);
+  return rule && rule->uses_rho() ? nullptr : "this -snes_trefoil_filter";
+}
+
 }  // namespace
 
 std::string join(const std::vector<std::string> &words) {
@@ -41,7 +52,7 @@ std::vector<Option> table_of(SolverOptions &options) {
        Choice{rule_names(), &options.filter, "filter"}},
       {"snes_trefoil_rho_tolerance",
        "adaptive: clamp while |rho - 1| is below this (dimensionless)",
-       Number{&options.rule.rho_tolerance, is_not_negative, not_negative}},
+       Number{&options.rule.rho_tolerance, is_not_negative, not_negative}, nullptr, without_rho},
       {"snes_trefoil_weight", "constant: w of H + 2 w N; 0 Newton, 0.5 clamp, 1 absolute",
        Number{&options.rule.weight, is_not_negative, not_negative}, &options.weight_set},
       {"snes_trefoil_floor",
@@ -67,12 +78,14 @@ std::vector<Option> table_of(SolverOptions &options) {
        "subspace: most Shamanskii steps an iteration, by the same linear solver; -1: 8 where it is "
        "direct, else 0",
        WholeNumber{&search.shamanskii_steps, [](double value) { return value >= -1; },
-                   "must be at least -1"}},
+                   "must be at least -1"},
+       nullptr, without_planes},
       {"snes_trefoil_correction_gain",
        "subspace: least share of the first step's decrease to go on",
-       Number{&search.shamanskii_gain, is_not_negative, not_negative}},
+       Number{&search.shamanskii_gain, is_not_negative, not_negative}, nullptr, without_planes},
       {"snes_trefoil_trust_start",
-       "subspace: from the first iteration; false: once |rho - 1| is small", &search.trust_start},
+       "subspace: from the first iteration; false: once |rho - 1| is small", &search.trust_start,
+       nullptr, without_planes},
       {"snes_trefoil_decrement_tolerance",
        "Stop when the Newton decrement |g'd|/2 is below (energy units, 0 off)",
        Number{&stop.decrement_tolerance, is_not_negative, not_negative}},

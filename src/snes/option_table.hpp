@@ -31,6 +31,8 @@ struct Option {
   std::string help;
   std::variant<Number, WholeNumber, Choice, bool *, std::string *> value;
   bool *given = nullptr;  ///< set where the user gives it
+  /// With what the option has no effect, as the options are now; null: it has one.
+  const char *(*idle)(const SolverOptions &options) = nullptr;
 };
 
 /// The table of options; values go to `options`. Parsing, the check of misspelt names, -help, view,

@@ -101,7 +101,7 @@ PetscErrorCode read_whole_number(TrefoilOptionItems PetscOptionsObject, const So
 }
 
 PetscErrorCode read_option(TrefoilOptionItems PetscOptionsObject, const Source &source,
-                           const Option &option) {
+                           const Option &option, bool *given) {
   const std::string flag = flag_of(option);
   const char *name = flag.c_str(), *help = option.help.c_str();
   PetscBool found = PETSC_FALSE;
@@ -124,6 +124,7 @@ PetscErrorCode read_option(TrefoilOptionItems PetscOptionsObject, const Source &
         PetscOptionsString(name, help, "", (*string)->c_str(), value.data(), value.size(), &found));
     if (found) **string = value.data();
   }
+  *given = found == PETSC_TRUE;
   if (option.given) *option.given = *option.given || found;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -165,8 +166,9 @@ PetscErrorCode check_options(SNES snes, SolverOptions &options) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode read_options(SNES snes, SolverOptions *options) {
+PetscErrorCode read_options(SNES snes, SolverOptions *options, std::vector<std::string> *idle) {
   const std::vector<Option> table = table_of(*options);
+  std::vector<const Option *> given;
   Source source;
   PetscFunctionBeginUser;
   PetscCall(source.open(snes));
@@ -174,10 +176,19 @@ PetscErrorCode read_options(SNES snes, SolverOptions *options) {
   // With a title of our own: -help lists only the first of several parts with the same title.
   PetscOptionsBegin(source.comm, source.prefix, "Trust-region eigenvalue filter (Trefoil)", "SNES");
   PetscOptionsObject->options = source.database;
-  for (const Option &option : table) PetscCall(read_option(PetscOptionsObject, source, option));
+  for (const Option &option : table) {
+    bool is_given = false;
+    PetscCall(read_option(PetscOptionsObject, source, option, &is_given));
+    if (is_given) given.push_back(&option);
+  }
   PetscOptionsEnd();
   PetscCall(check_damping(source));
   PetscCall(check_options(snes, *options));
+  idle->clear();
+  for (const Option *option : given) {
+    const char *reason = option->idle ? option->idle(*options) : nullptr;
+    if (reason) idle->push_back(source.full(option->name) + " has no effect with " + reason);
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

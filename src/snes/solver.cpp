@@ -69,6 +69,7 @@ PetscErrorCode Solver::begin_solve() {
   PetscFunctionBeginUser;
   if (record.running) PetscFunctionReturn(PETSC_SUCCESS);
   record.begin();
+  record.notes = idle_options;
   jacobian.begin_solve();
   jacobian_is_new = false;
   energy.begin_solve();
@@ -198,7 +199,10 @@ PetscErrorCode Solver::make_rule() {
 PetscErrorCode Solver::set_from_options() {
   const std::string fields = options.fields;
   PetscFunctionBeginUser;
-  PetscCall(read_options(snes, &options));
+  PetscCall(read_options(snes, &options, &idle_options));
+  for (const std::string &sentence : idle_options) {
+    PetscCall(say_once(PetscObjectComm(reinterpret_cast<PetscObject>(snes)), sentence));
+  }
   if (!options.record_file.empty()) {
     PetscCall(
         check_text_file(PetscObjectComm(reinterpret_cast<PetscObject>(snes)), options.record_file));

@@ -31,6 +31,7 @@ struct Solver {
 
   SNES snes;  ///< borrowed: this belongs to it
   SolverOptions options;
+  std::vector<std::string> idle_options;  ///< a sentence for each that has no effect
   std::unique_ptr<Rule> rule;
   /// -snes_max_linear_solve_fail of before a rule that needs all of them.
   std::optional<PetscInt> linear_failures;

@@ -3,6 +3,7 @@
 #include <petscsnes.h>
 
 #include <string>
+#include <vector>
 
 #include "rule/rule.hpp"
 #include "search/search_options.hpp"
@@ -27,7 +28,8 @@ struct SolverOptions {
 
 /// Reads the options of a SNES; a misspelt name, or a value that makes no sense, is an error.
 /// Collective.
-PetscErrorCode read_options(SNES snes, SolverOptions *options);
+/// @param[out] idle a sentence for each option that is given and has no effect beside the others
+PetscErrorCode read_options(SNES snes, SolverOptions *options, std::vector<std::string> *idle);
 
 /// Refuses values that make no sense, whoever set them.
 PetscErrorCode check_options(SNES snes, SolverOptions &options);

@@ -25,6 +25,7 @@ class UserRule final : public Rule {
 
   /// It may choose any.
   [[nodiscard]] double least_weight() const override { return 0; }
+  [[nodiscard]] bool uses_rho() const override { return true; }
   [[nodiscard]] int error() const override { return error_; }
 
  private:

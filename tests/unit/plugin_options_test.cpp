@@ -91,6 +91,45 @@ TEST(IndefiniteTest, IsSaidOfRulesThatMayLeaveTheHessianSo) {
   }
 }
 
+TEST(IdleTest, AnOptionWithoutEffectIsSaidAndNoError) {
+  struct Row {
+    const char *filter, *search, *option, *value;
+    bool idle;
+  };
+  for (const Row &row : {Row{"adaptive", "armijo", "corrections", "3", true},
+                         Row{"adaptive", "armijo", "correction_gain", "0.1", true},
+                         Row{"adaptive", "armijo", "trust_start", "true", true},
+                         Row{"adaptive", "subspace", "corrections", "3", false},
+                         Row{"adaptive", "armijo", "rho_tolerance", "0.1", false},
+                         Row{"clamp", "armijo", "rho_tolerance", "0.1", true},
+                         Row{"clamp", "subspace", "rho_tolerance", "0.1", false},
+                         Row{"absolute", "armijo", "energy_tolerance", "1e-6", false}}) {
+    Host host;
+    const std::string name = std::string("snes_trefoil_") + row.option;
+    host.option("snes_trefoil_filter", row.filter);
+    host.option("snes_trefoil_search", row.search);
+    host.option(name, row.value);
+    ASSERT_EQ(host.set_up(), PETSC_SUCCESS);
+    ASSERT_EQ(host.solve(concave_start(host.chain)), PETSC_SUCCESS);
+    const auto &notes = host.record.at("solver").at("notes");
+    ASSERT_EQ(notes.size(), row.idle ? 1U : 0U) << row.filter << ' ' << row.search << ' ' << name;
+    if (row.idle) {
+      EXPECT_EQ(notes[0].get<std::string>().rfind("-chain_" + name + " has no effect", 0), 0U);
+    }
+  }
+}
+
+TEST(FactorisationsTest, AreCounted) {
+  Host host;
+  host.option("snes_trefoil_search", "subspace");
+  host.option("snes_trefoil_trust_start", "true");
+  ASSERT_EQ(host.set_up(), PETSC_SUCCESS);
+  ASSERT_EQ(host.solve(concave_start(host.chain)), PETSC_SUCCESS);
+  const auto &result = host.record.at("result");
+  EXPECT_EQ(result.at("factorisations"), host.chain.calls.size());
+  EXPECT_GT(result.at("linear_solves"), result.at("factorisations"));  // Shamanskii steps have none
+}
+
 // PETSc's manual pages are made from comments, so the list there is a copy of the table's.
 TEST(OptionTableTest, TheManualPageHasIt) {
   std::ifstream file(LINE_SEARCH_SOURCE);
