@@ -41,6 +41,10 @@ PetscErrorCode ElementHook::zero_rows_of(Mat negative) {
 PetscErrorCode ElementHook::scale(Mat matrix, double factor) {
   PetscFunctionBegin;
   if (!active_) PetscFunctionReturn(PETSC_SUCCESS);
+  if (factor == 0) {  // another way to begin anew
+    PetscCall(restart());
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   seen_.scale(factor);
   PetscCall(assemble_negative(matrix, factor < 0));
   // The negative part of -H_e is the positive part of H_e, which is H_e + N_e.

@@ -47,6 +47,13 @@ BlockProperties properties_of(PetscInt n, const PetscScalar *H) {
 
 }  // namespace
 
+static bool is_diagonal(PetscInt n, const PetscScalar *block) {
+  for (PetscInt i = 0; i < n * n; ++i) {
+    if (i % (n + 1) != 0 && block[i] != 0) return false;
+  }
+  return true;
+}
+
 /// Numbers of single rows from those of blocks.
 static void expand(PetscInt n, const PetscInt *blocks, PetscInt block_size,
                    std::vector<PetscInt> *index) {
@@ -73,7 +80,11 @@ PetscErrorCode ElementHook::watch(PetscInt m, const PetscInt *rows, PetscInt n,
   }
   if (mode != ADD_VALUES) {
     // Preallocation inserts zeros; boundary conditions insert numbers on the diagonal.
-    if (m == 1 && n == 1 && rows[0] == columns[0] && values[0] != 0) seen_.exclude(rows[0]);
+    if (m == n && std::equal(rows, rows + m, columns) && is_diagonal(n, values)) {
+      for (PetscInt i = 0; i < n; ++i) {
+        if (values[n * i + i] != 0) seen_.exclude(rows[i]);
+      }
+    }
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   if (m == 1 && n == 1) {

@@ -1,8 +1,9 @@
 #include "search/energy.hpp"
 
-#include <petsc/private/petscimpl.h>
+#include <petsc/private/snesimpl.h>
 
 #include <cmath>
+#include <limits>
 
 #include "support/petsc_compatibility.hpp"
 #include "support/real_dot.hpp"
@@ -63,10 +64,18 @@ PetscErrorCode Energy::has_objective(bool *has) const {
 }
 
 PetscErrorCode Energy::evaluate(Vec x, double *energy) {
+  PetscErrorCode (*objective)(SNES, Vec, PetscReal *, void *) = nullptr;
+  void *context = nullptr;
   PetscReal value = 0;
   double work = 0;
   PetscFunctionBeginUser;
-  PetscCall(SNESComputeObjective(snes_, x, &value));
+  // Not SNESComputeObjective(), which takes b'x off in some versions of PETSc.
+  PetscCall(SNESGetObjective(snes_, &objective, &context));
+  PetscCall(objective(snes_, x, &value, context));
+#if !PETSC_VERSION_LT(3, 25, 0)
+  if (snes_->objectivedomainerror) value = std::numeric_limits<double>::infinity();
+  snes_->objectivedomainerror = PETSC_FALSE;
+#endif
   PetscCall(work_of_right_hand_side(x, &work));
   *energy = value - work;
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -253,6 +253,37 @@ TEST_P(RefusedTest, PassesWhereTheUserSaysSo) {
   EXPECT_GT(host.unfiltered(), 0);
 }
 
+// In the manner of PETSc's ex16: zeroed by a factor, and Dirichlet rows as inserted blocks.
+TEST(BoundaryTest, DiagonalBlocksThatAreInsertedAreNoChange) {
+  const Elements elements(2, Kind::mixed);
+  ElementHost host;
+  const CaughtError error;
+  host.weigh(weight);
+  host.option("snes_linesearch_damping", "0.5");
+  ASSERT_EQ(host.solve(
+                elements.nodes, elements.block,
+                [&](Mat H) {
+                  const PetscInt index[] = {2, 3};
+                  const PetscScalar one[] = {1, 0, 0, 1};
+                  PetscFunctionBeginUser;
+                  PetscBool assembled = PETSC_FALSE;
+                  PetscCall(MatAssembled(H, &assembled));
+                  if (assembled) PetscCall(MatScale(H, 0));
+                  PetscCall(add_elements(H, elements, Way::values));
+                  PetscCall(MatAssemblyBegin(H, MAT_FLUSH_ASSEMBLY));
+                  PetscCall(MatAssemblyEnd(H, MAT_FLUSH_ASSEMBLY));
+                  if (rank_of_world() == 0)
+                    PetscCall(MatSetValues(H, 2, index, 2, index, one, INSERT_VALUES));
+                  PetscCall(finish_assembly(H));
+                  PetscFunctionReturn(PETSC_SUCCESS);
+                },
+                3),
+            0)
+      << error.sentence;
+  EXPECT_GE(host.matrices.size(), 2U);
+  EXPECT_EQ(host.unfiltered(), 0);
+}
+
 class ZeroedTest : public testing::TestWithParam<bool> {
  protected:
   /// Rows 1 and 5, by the rank that has them.
