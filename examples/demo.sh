@@ -7,7 +7,7 @@ cd "$(dirname "$0")/.."
 sh cmake/setup.sh
 mkdir -p out
 
-mpirun -n 2 build/trefoil -options_file examples/knot.yaml \
+mpirun -n 2 build/trefoil examples/knot.yaml \
   -output_file out/knot.xdmf -snes_trefoil_record out/knot.json
 /usr/bin/python3 examples/picture.py out/knot.xdmf -o out/knot.png
 /usr/bin/python3 examples/plot_convergence.py out/knot.json -o out/convergence.png
