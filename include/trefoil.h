@@ -33,6 +33,12 @@ PetscErrorCode PetscDLLibraryRegister_trefoil(void);
 typedef enum { TREFOIL_SEARCH_ARMIJO, TREFOIL_SEARCH_SUBSPACE } TrefoilSearch;
 PETSC_EXTERN const char *const TrefoilSearches[];
 
+/* The matrix P of the direction -P^-1 g: the filtered Hessian; a mass matrix that the host gives; or
+   none, which is gradient descent. Directions of the last two are as long as the last step along
+   one of them was, and a bit more. */
+typedef enum { TREFOIL_PROXY_HESSIAN, TREFOIL_PROXY_MASS, TREFOIL_PROXY_IDENTITY } TrefoilProxy;
+PETSC_EXTERN const char *const TrefoilProxies[];
+
 /* What is filtered: an element's whole Hessian, or dP/dF at its quadrature points. */
 typedef enum { TREFOIL_SPACE_ELEMENT, TREFOIL_SPACE_DEFORMATION } TrefoilSpace;
 PETSC_EXTERN const char *const TrefoilSpaces[];
@@ -133,6 +139,13 @@ typedef PetscErrorCode (*TrefoilMaxStepFunction)(SNES snes, Vec x, Vec d, PetscR
 PetscErrorCode TrefoilSNESSetMaxStep(SNES snes, TrefoilMaxStepFunction function, void *ctx);
 
 /*
+   A callback that fills P, of the Jacobian's pattern, with the matrix of -snes_trefoil_proxy mass:
+   symmetric, positive definite, the same for all of a solve. Collective.
+*/
+typedef PetscErrorCode (*TrefoilProxyFunction)(SNES snes, Mat P, void *ctx);
+PetscErrorCode TrefoilSNESSetMassProxy(SNES snes, TrefoilProxyFunction function, void *ctx);
+
+/*
    Defaults for the options of the same names (see -help); an option that is given wins. All are
    logically collective and come before SNESSetFromOptions(). Values that the option would refuse
    are an error.
@@ -143,9 +156,17 @@ PetscErrorCode TrefoilSNESSetRhoTolerance(SNES snes, PetscReal tolerance);
 PetscErrorCode TrefoilSNESSetConstantWeight(SNES snes, PetscReal weight);
 PetscErrorCode TrefoilSNESSetSearch(SNES snes, TrefoilSearch search);
 PetscErrorCode TrefoilSNESSetTrustStart(SNES snes, PetscBool trust);
+PetscErrorCode TrefoilSNESSetProxy(SNES snes, TrefoilProxy proxy);
+/* For solves that follow each other, as in time: the rule goes on from the last one's last step. */
+PetscErrorCode TrefoilSNESSetContinue(SNES snes, PetscBool goes_on);
 /* Tolerances on the Newton decrement, in energy units, and on the decrement over the energy scale;
    0 turns a test off, PETSC_DEFAULT leaves it as it is. */
 PetscErrorCode TrefoilSNESSetTolerances(SNES snes, PetscReal decrement, PetscReal energy);
+/* On the largest entry of the direction, in units of the unknowns; 0 turns the test off. */
+PetscErrorCode TrefoilSNESSetDirectionTolerance(SNES snes, PetscReal tolerance);
+/* Whether the direction that meets a stop test is followed, before the solve ends, instead of being
+   thrown away: an energy and a residual more, and what is left is the square of what was tested. */
+PetscErrorCode TrefoilSNESSetTakeLast(SNES snes, PetscBool take);
 PetscErrorCode TrefoilSNESSetVerifyMinimum(SNES snes, PetscBool verify);
 PetscErrorCode TrefoilSNESSetMonitor(SNES snes, PetscBool on);
 /* The file of the JSON record; empty: none. */
@@ -167,6 +188,16 @@ PetscErrorCode TrefoilSNESSetFromOptions(SNES snes);
    another line search leaves the Hessian as it is.
 */
 PetscErrorCode TrefoilSNESJacobianMayBeIndefinite(SNES snes, PetscBool *may);
+
+/*
+   TrefoilSNESRetriesFactors - whether a factorisation that fails leads to another weight
+
+   Not collective; after SNESSetFromOptions(). PETSC_TRUE where the rule chooses weights below 1/2
+   and knows what to do where the matrix is indefinite: then a package for definite matrices, such
+   as CHOLMOD, whose failure is the answer, may factor what TrefoilSNESJacobianMayBeIndefinite()
+   warns of.
+*/
+PetscErrorCode TrefoilSNESRetriesFactors(SNES snes, PetscBool *retries);
 
 /* Seconds that were spent on a starting guess; the record's history begins with them. Logically
    collective. */

@@ -42,6 +42,10 @@ class EnergyFunctional {
   PetscErrorCode hessian(Vec x, Mat H, Mat *negative, TrefoilSplitStatistics *statistics,
                          const HessianFilter &filter = {});
 
+  /// The constant parts of H alone: in time the masses, as inertia and damping weigh them.
+  /// Collective.
+  PetscErrorCode constant_hessian(Mat P) { return hessian_.assemble_constants(P); }
+
   /// Sets the time of loads and of all else that moves. Collective.
   PetscErrorCode set_time(double time);
   /// Tells the terms of the time step that is to be solved. Collective.

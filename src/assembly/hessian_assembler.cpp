@@ -189,6 +189,19 @@ PetscErrorCode HessianAssembler::assemble(const double *u, Mat H, Mat N,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode HessianAssembler::assemble_constants(Mat P) {
+  PetscFunctionBeginUser;
+  PetscCall(MatZeroEntries(P));
+  if (!has_pairs_) {
+    PetscCall(add_constants(P));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(MatZeroEntries(cells_[0]));
+  PetscCall(add_constants(cells_[0]));
+  PetscCall(add_rows(cells_[0], P));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode HessianAssembler::update_pattern(const double *u, Mat H, Mat *N) {
   PetscMPIInt anew = 0;
   bool any = false;

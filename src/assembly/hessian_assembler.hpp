@@ -50,6 +50,9 @@ class HessianAssembler {
   PetscErrorCode assemble(const double *u, Mat H, Mat N, const HessianFilter *filter,
                           TrefoilSplitStatistics *statistics);
 
+  /// Sets P to the constant parts of H alone. Collective.
+  PetscErrorCode assemble_constants(Mat P);
+
   /// Where terms couple pairs of vertices: chooses the pairs for u, and where they are others than
   /// before gives H their pattern and destroys N, which no longer fits. Before assemble().
   /// Collective.

@@ -53,6 +53,12 @@ PetscErrorCode max_step(SNES, Vec x, Vec d, PetscReal first, PetscReal *largest,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode mass_proxy(SNES, Mat P, void *ctx) {
+  PetscFunctionBeginUser;
+  PetscCall(static_cast<EnergyFunctional *>(ctx)->constant_hessian(P));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode energy_scale(SNES, Vec x, PetscReal *scale, void *ctx) {
   EnergySums sums;
   PetscFunctionBeginUser;
@@ -81,6 +87,10 @@ PetscErrorCode EnergyFunctional::attach(SNES snes, Mat H, Assembly assembly) {
   }
   PetscCall(TrefoilSNESSetEnergyScale(snes, energy_scale, this));
   PetscCall(TrefoilSNESSetEnergyChanges(snes, changes_on_plane, this));
+  if (std::any_of(terms_.begin(), terms_.end(),
+                  [](const auto &term) { return term->hessian_kind() == HessianKind::constant; })) {
+    PetscCall(TrefoilSNESSetMassProxy(snes, mass_proxy, this));
+  }
   if (std::any_of(terms_.begin(), terms_.end(),
                   [](const auto &term) { return term->limits_step(); })) {
     PetscCall(TrefoilSNESSetMaxStep(snes, max_step, this));

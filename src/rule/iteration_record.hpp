@@ -16,6 +16,7 @@ struct IterationRecord {
   double rho = none;          ///< trust-region ratio of the step taken
   double step = 0;            ///< step length taken along the direction; 0: none
   bool truncated = false;     ///< the host allowed no longer step: it teaches a rule nothing
+  int refused = 0;            ///< Jacobians before this one that turned out to be indefinite
   int trials = 0;             ///< energies evaluated at trial points
   int shamanskii_steps = 0;   ///< further steps from the same factors
   double decrement = none;    ///< |g'd| / 2 of the full direction d, energy units

@@ -37,12 +37,12 @@ PetscErrorCode set_unless_given(const char *option, const char *value) {
 }
 
 /// A direct solver for symmetric matrices: CHOLMOD on one rank, MUMPS on several, and MUMPS where
-/// the matrix may be indefinite, which it survives and CHOLMOD does not. With a preconditioner of
-/// the user's, conjugate gradients.
+/// the matrix may be indefinite, which it survives and CHOLMOD does not, unless the rule goes on
+/// from there. With a preconditioner of the user's, conjugate gradients.
 PetscErrorCode choose_linear_solver(SNES snes, KSP ksp) {
   PC pc = nullptr;
   PetscMPIInt ranks = 0;
-  PetscBool may_be_indefinite = PETSC_FALSE;
+  PetscBool may_be_indefinite = PETSC_FALSE, retries = PETSC_FALSE;
   bool preconditioner_set = false, multigrid_option_set = false;
   PetscFunctionBeginUser;
   PetscCall(KSPGetPC(ksp, &pc));
@@ -64,10 +64,11 @@ PetscErrorCode choose_linear_solver(SNES snes, KSP ksp) {
   }
   PetscCallMPI(MPI_Comm_size(PetscObjectComm(reinterpret_cast<PetscObject>(snes)), &ranks));
   PetscCall(TrefoilSNESJacobianMayBeIndefinite(snes, &may_be_indefinite));
+  PetscCall(TrefoilSNESRetriesFactors(snes, &retries));
   PetscCall(KSPSetType(ksp, KSPPREONLY));
   PetscCall(PCSetType(pc, PCCHOLESKY));
 #if defined(PETSC_HAVE_SUITESPARSE)
-  if (ranks == 1 && !may_be_indefinite) {
+  if (ranks == 1 && (!may_be_indefinite || retries)) {
     PetscCall(PCFactorSetMatSolverType(pc, MATSOLVERCHOLMOD));
     // Its other factors exist for indefinite matrices as well. These tell whether a point is a
     // minimum, and that it is none is an answer, not worth a warning.

@@ -87,6 +87,7 @@ PetscErrorCode check_direction(SNES snes, Rule &rule, FilteredJacobian &jacobian
   while (status == DirectionStatus::indefinite && !state.lifted) {
     const std::optional<double> weight = rule.rejected(record.current);
     if (!weight) break;
+    ++record.current.refused;
     PetscCall(replace_direction(snes, ksp, *weight, jacobian, state, record));
     PetscCall(status_of(ksp, jacobian, state, &status));
   }

@@ -1,11 +1,39 @@
 #include "search/inertia.hpp"
 
+#include <petsc/private/pcimpl.h>
+
 #include <array>
 #include <string>
 
 #include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
+
+PetscErrorCode try_to_factor(PC solver, PetscErrorCode *failure) {
+  PetscBool lagged = PETSC_FALSE;
+  PetscFunctionBegin;
+  PetscCall(PCGetReusePreconditioner(solver, &lagged));
+  PetscCall(PCSetReusePreconditioner(solver, PETSC_FALSE));
+  PetscCall(PetscPushErrorHandler(PetscReturnErrorHandler, nullptr));
+  *failure = PCSetUp(solver);
+  PetscCall(PetscPopErrorHandler());
+  PetscCall(PCSetReusePreconditioner(solver, lagged));
+  // The next set-up would begin anew, with what the first, unfinished one has left behind.
+  if (*failure && !solver->setupcalled) PetscCall(PCReset(solver));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode raises_indefiniteness(KSP ksp, bool *raises) {
+  PC pc = nullptr;
+  MatSolverType solver = nullptr;
+  PetscBool cholesky = PETSC_FALSE;
+  PetscFunctionBegin;
+  PetscCall(KSPGetPC(ksp, &pc));
+  PetscCall(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(pc), PCCHOLESKY, &cholesky));
+  if (cholesky) PetscCall(PCFactorGetMatSolverType(pc, &solver));
+  *raises = solver && std::string(solver) == MATSOLVERCHOLMOD;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
 PetscErrorCode inertia_of_factors(KSP ksp, Inertia *inertia) {
   PC pc = nullptr;

@@ -9,7 +9,8 @@ PetscErrorCode SearchMemory::begin_solve(const SearchOptions &options, bool may_
   PetscCall(vectors.release());
   keeps_steps = options.kind == TREFOIL_SEARCH_SUBSPACE;
   previous_step_known = false;
-  trusts_model = options.trust_start;
+  trusts_model = options.trust_start || (options.goes_on && trusts_model);
+  if (!options.goes_on) proxy_scale = 1;
   boundary_values_open = may_lift;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

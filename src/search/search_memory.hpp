@@ -15,6 +15,8 @@ struct SearchMemory {
   /// the minimum in a plane keeps some of them so, in another minimum of the energy than the best
   /// (measured on the paper's scenes); there backtracking goes first, until |rho - 1| is small.
   bool trusts_model = false;
+  /// Length of the directions of a proxy, by the last step along one.
+  double proxy_scale = 1;
   /// Dirichlet values of a host may not be met yet: true at a solve's start, false once they are.
   bool boundary_values_open = false;
 

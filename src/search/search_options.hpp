@@ -7,6 +7,8 @@ namespace trefoil {
 /// What the search is tuned by; options.cpp has the option names and help texts.
 struct SearchOptions {
   TrefoilSearch kind = TREFOIL_SEARCH_ARMIJO;
+  TrefoilProxy proxy = TREFOIL_PROXY_HESSIAN;
+  bool goes_on = false;      ///< from where the last solve of the SNES has ended
   double shrink = 0.8;       ///< from one step length to the next
   double armijo = 1e-8;      ///< share of the predicted decrease to reach
   bool trust_start = false;  ///< the start has no crushed elements
@@ -21,6 +23,8 @@ struct StopOptions {
   double decrement_tolerance = 0;     ///< energy units; 0: off
   double energy_tolerance = 1e-8;     ///< predicted decrease over energy scale; 0: off
   bool energy_tolerance_set = false;  ///< by the user, so decrement_tolerance does not turn it off
+  double direction_tolerance = 0;     ///< largest entry of the direction, unknowns' units; 0: off
+  bool takes_last = false;            ///< the direction that meets a test is followed, then it ends
   bool verify_minimum = false;        ///< look for negative curvature where the stop test is met
   bool verify_minimum_set = false;    ///< by the user, so decrement_tolerance does not turn it off
 };

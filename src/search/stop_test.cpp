@@ -41,8 +41,8 @@ bool decrement_is_rounding(const SolveRecord &record) {
 
 }  // namespace
 
-PetscErrorCode stop_test(const StopOptions &options, Energy &f, Vec x, SolveRecord &record,
-                         bool *stop) {
+PetscErrorCode stop_test(const StopOptions &options, Energy &f, const LineSearchState &state,
+                         bool is_newtons, SolveRecord &record, bool *stop) {
   const double decrement = record.current.decrement;
   PetscFunctionBeginUser;
   *stop = true;
@@ -55,9 +55,17 @@ PetscErrorCode stop_test(const StopOptions &options, Energy &f, Vec x, SolveReco
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   if (energy_test_is_on(options, f)) {
-    PetscCall(scale_of_energy(f, record, x, &record.energy_scale));
+    PetscCall(scale_of_energy(f, record, state.x, &record.energy_scale));
     if (decrement <= options.energy_tolerance * record.energy_scale) {
       record.reason = "predicted energy decrease below -snes_trefoil_energy_tolerance";
+      PetscFunctionReturn(PETSC_SUCCESS);
+    }
+  }
+  if (options.direction_tolerance > 0 && is_newtons) {
+    PetscReal largest = 0;
+    PetscCall(VecNorm(state.d, NORM_INFINITY, &largest));
+    if (largest <= options.direction_tolerance) {
+      record.reason = "the direction is below -snes_trefoil_direction_tolerance";
       PetscFunctionReturn(PETSC_SUCCESS);
     }
   }

@@ -27,21 +27,14 @@ constexpr int most_saddles = 100;  ///< to leave in one solve
 /// A relative energy error of 1e-6 is promised with the default tolerance of 1e-8.
 constexpr double error_over_tolerance = 100;
 
-/// Factors the matrix as it is now, also where the SNES lags its preconditioner. CHOLMOD calls a
-/// matrix that is not positive definite an error; it is none here.
 PetscErrorCode factor(PC solver, bool *done) {
-  PetscBool lagged = PETSC_FALSE;
+  PetscErrorCode error = PETSC_SUCCESS;
   PetscFunctionBeginUser;
-  PetscCall(PCGetReusePreconditioner(solver, &lagged));
-  PetscCall(PCSetReusePreconditioner(solver, PETSC_FALSE));
-  PetscCall(PetscPushErrorHandler(PetscReturnErrorHandler, nullptr));
-  const PetscErrorCode error = PCSetUp(solver);
-  PetscCall(PetscPopErrorHandler());
+  PetscCall(try_to_factor(solver, &error));
   PetscCheck(!error || error == PETSC_ERR_MAT_CH_ZRPVT,
              PetscObjectComm(reinterpret_cast<PetscObject>(solver)), error,
              "the factorisation that verifies the minimum failed; "
              "-snes_trefoil_verify_minimum false goes without it");
-  PetscCall(PCSetReusePreconditioner(solver, lagged));
   *done = !error;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

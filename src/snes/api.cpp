@@ -73,6 +73,14 @@ PetscErrorCode TrefoilSNESSetMaxStep(SNES snes, TrefoilMaxStepFunction function,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode TrefoilSNESSetMassProxy(SNES snes, TrefoilProxyFunction function, void *ctx) {
+  Solver *solver = nullptr;
+  PetscFunctionBegin;
+  PetscCall(trefoil::get_solver(snes, &solver));
+  solver->mass_proxy = {function, ctx};
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /// Takes changed options over, where they make sense.
 template <class Change>
 static PetscErrorCode change_options(SNES snes, Change change) {
@@ -130,6 +138,33 @@ PetscErrorCode TrefoilSNESSetTolerances(SNES snes, PetscReal decrement, PetscRea
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode TrefoilSNESSetProxy(SNES snes, TrefoilProxy proxy) {
+  PetscFunctionBegin;
+  PetscCall(change_options(snes, [=](SolverOptions &options) { options.search.proxy = proxy; }));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode TrefoilSNESSetContinue(SNES snes, PetscBool goes_on) {
+  PetscFunctionBegin;
+  PetscCall(change_options(
+      snes, [=](SolverOptions &options) { options.search.goes_on = goes_on == PETSC_TRUE; }));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode TrefoilSNESSetDirectionTolerance(SNES snes, PetscReal tolerance) {
+  PetscFunctionBegin;
+  PetscCall(change_options(
+      snes, [=](SolverOptions &options) { options.stop.direction_tolerance = tolerance; }));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode TrefoilSNESSetTakeLast(SNES snes, PetscBool take) {
+  PetscFunctionBegin;
+  PetscCall(change_options(
+      snes, [=](SolverOptions &options) { options.stop.takes_last = take == PETSC_TRUE; }));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode TrefoilSNESSetVerifyMinimum(SNES snes, PetscBool verify) {
   PetscFunctionBegin;
   PetscCall(change_options(
@@ -165,6 +200,16 @@ PetscErrorCode TrefoilSNESJacobianMayBeIndefinite(SNES snes, PetscBool *may) {
   PetscCall(trefoil::get_solver(snes, &solver));
   PetscCall(trefoil::is_driven(snes, &driven));
   *may = driven && solver->rule->least_weight() >= 0.5 ? PETSC_FALSE : PETSC_TRUE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode TrefoilSNESRetriesFactors(SNES snes, PetscBool *retries) {
+  Solver *solver = nullptr;
+  bool driven = false;
+  PetscFunctionBegin;
+  PetscCall(trefoil::get_solver(snes, &solver));
+  PetscCall(trefoil::is_driven(snes, &driven));
+  *retries = driven && solver->rule->may_be_rejected() ? PETSC_TRUE : PETSC_FALSE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

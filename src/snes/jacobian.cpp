@@ -4,6 +4,7 @@
 
 #include "hook/matrix_operations.hpp"
 #include "hook/seen_sum.hpp"
+#include "search/inertia.hpp"
 #include "snes/solver.hpp"
 #include "support/log_events.hpp"
 #include "support/petsc_compatibility.hpp"
@@ -61,8 +62,9 @@ PetscErrorCode record_foreign_iteration(Solver &solver, Vec x) {
 PetscErrorCode choose_weight(Solver &solver, double *weight) {
   const IterationRecord *lesson = solver.record.last_lesson();
   PetscFunctionBeginUser;
+  if (!lesson && solver.options.search.goes_on && solver.last_lesson) lesson = &*solver.last_lesson;
   *weight = 0;
-  if (!solver.driven) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!solver.driven || !solver.uses_hessian()) PetscFunctionReturn(PETSC_SUCCESS);
   if (solver.jacobian.imposed_weight) {
     *weight = *solver.jacobian.imposed_weight;
   } else {
@@ -207,6 +209,39 @@ PetscErrorCode assemble(Solver &solver, Vec x, Mat J, Mat H, double weight) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// A package that raises an error where the matrix is not positive definite would end the solve:
+/// where the rule knows another weight for that, the matrix is factored here already. The linear
+/// solve finds the factors done.
+PetscErrorCode refuse_indefinite(Solver &solver, Vec x, Mat J, Mat H) {
+  IterationRecord &current = solver.record.current;
+  PetscErrorCode failure = PETSC_SUCCESS;
+  PetscBool lagged = PETSC_FALSE;
+  KSP ksp = nullptr;
+  PC pc = nullptr;
+  bool raises = false;
+  PetscFunctionBeginUser;
+  if (!solver.driven || !solver.rule->may_be_rejected()) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(SNESGetKSP(solver.snes, &ksp));
+  PetscCall(raises_indefiniteness(ksp, &raises));
+  PetscCall(KSPGetReusePreconditioner(ksp, &lagged));
+  if (!raises || lagged) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(KSPGetPC(ksp, &pc));
+  while (current.weight < 0.5) {
+    PetscCall(KSPSetOperators(ksp, J, H));
+    PetscCall(try_to_factor(pc, &failure));
+    if (!failure) break;
+    PetscCheck(failure == PETSC_ERR_MAT_CH_ZRPVT,
+               PetscObjectComm(reinterpret_cast<PetscObject>(solver.snes)), failure,
+               "the factorisation of the Hessian failed");
+    const std::optional<double> weight = solver.rule->rejected(current);
+    if (!weight) break;  // the linear solve will say so
+    ++current.refused;
+    current.weight = *weight;
+    PetscCall(assemble(solver, x, J, H, *weight));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /// SNES's Jacobian callback: asks the rule for w, the split callback or the host's own, watched,
 /// for H and N, and forms H + 2 w N.
 PetscErrorCode compute_filtered_jacobian(SNES snes, Vec x, Mat J, Mat H, void *ctx) {
@@ -228,7 +263,13 @@ PetscErrorCode compute_filtered_jacobian(SNES snes, Vec x, Mat J, Mat H, void *c
   record.current.k = static_cast<int>(iteration);
   PetscCall(choose_weight(solver, &record.current.weight));
   if (!solver.driven && solver.split_jacobian) PetscCall(record_foreign_iteration(solver, x));
-  PetscCall(assemble(solver, x, J, H, record.current.weight));
+  if (!again) record.current.refused = 0;
+  if (solver.uses_hessian() || !solver.driven) {
+    PetscCall(assemble(solver, x, J, H, record.current.weight));
+    PetscCall(refuse_indefinite(solver, x, J, H));
+  } else {
+    PetscCall(form_proxy(solver, J, H));
+  }
   if (!again) {
     ++record.iterations;
     solver.jacobian_is_new = true;

@@ -30,6 +30,7 @@ Json iteration_json(const IterationRecord &entry, double offset) {
           {"rho", number(entry.rho)},
           {"step", entry.step},
           {"truncated", entry.truncated},
+          {"refused", entry.refused},
           {"trials", entry.trials},
           {"corrections", entry.shamanskii_steps},
           {"decrement", number(entry.decrement)},

@@ -2,7 +2,8 @@
    The line search `trefoil`. It is called with the direction d = -Y that the filtered Jacobian
    gave, decides whether the solve ends here, and otherwise takes a step along d:
 
-     stop test on the Newton decrement |g'd| / 2, before the step is taken
+     stop test on the Newton decrement |g'd| / 2, or the largest entry of d, before the step is
+     taken
      s = 1, 0.8, 0.64, ...  until  f(x + s d) <= f(x) + c s g'd           (Armijo)
      rho = (f(x) - f(x + u)) / -(g'u + u'Hu/2),   u = s d                 (trust-region ratio)
 
@@ -70,7 +71,7 @@ static PetscErrorCode examine_objective(Solver &solver, LineSearchState &state) 
   bool wanted = false, is_norm = false;
   PetscFunctionBegin;
   PetscCall(solver.energy.wants_examination(&wanted));
-  if (!wanted) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!wanted || !solver.uses_hessian()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(VecNorm(state.residual, NORM_2, &norm));
   PetscCall(state.work.get(Work::product, state.solution, &product));
   PetscCall(solver.jacobian.multiply_unfiltered(state.d, product));
@@ -98,6 +99,7 @@ static PetscErrorCode open_line(Solver &solver, SNESLineSearch search, LineSearc
   // Callbacks that copy their argument into a vector of theirs often have the solution for it: in
   // the manner of dolfinx's own SNES test. Trial points would then move the point they start from.
   PetscCall(state.work.get(Work::start, state.solution, &state.x));
+  if (!solver.uses_hessian()) PetscCall(VecScale(state.update, solver.memory.proxy_scale));
   PetscCall(take_solvers_direction(state));
   state.clock.switch_to(Phase::line_search);  // ranks have waited for each other's solve
   PetscCall(solver.energy.at(state.solution, &state.energy));
@@ -124,6 +126,7 @@ static PetscErrorCode open_iteration(Solver &solver, const LineSearchState &stat
   if (!solver.jacobian_is_new) {  // the SNES lags it
     ++record.iterations;
     ++record.linear_solves;
+    record.current.refused = 0;
   }
   record.factorisations += solver.jacobian_is_new && !reused;
   solver.jacobian_is_new = false;
@@ -132,6 +135,7 @@ static PetscErrorCode open_iteration(Solver &solver, const LineSearchState &stat
   opened.k = static_cast<int>(iteration);
   opened.energy = state.energy;
   opened.weight = record.current.weight;
+  opened.refused = record.current.refused;
   opened.indefinite = record.current.indefinite;
   opened.decrement = std::abs(state.slope) / 2;
   opened.linear_iterations = static_cast<int>(linear_iterations);
@@ -171,7 +175,9 @@ static PetscErrorCode search_and_step(Solver &solver, SNESLineSearch search,
   PetscCall(SNESLineSearchGetDamping(search, &first_step));
   if (in_plane) PetscCall(minimise_in_plane(solver.jacobian, solver.memory, state));
   PetscCall(state.work.get(Work::product, state.x, &product));
-  PetscCall(solver.jacobian.unfiltered_curvature(state.d, product, &curvature));
+  if (solver.uses_hessian()) {
+    PetscCall(solver.jacobian.unfiltered_curvature(state.d, product, &curvature));
+  }
   PetscCall(backtrack(options, state, first_step, most_trials, &accepted));
   current.trials = state.trials;
   current.truncated = state.truncated;
@@ -183,7 +189,12 @@ static PetscErrorCode search_and_step(Solver &solver, SNESLineSearch search,
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   current.step = state.newton_share * state.step;
-  if (!state.lifted) PetscCall(trust_region_ratio(state, curvature, &current.rho));
+  if (!solver.uses_hessian()) {
+    // Next time one length more is tried.
+    solver.memory.proxy_scale *= state.step / options.shrink;
+  } else if (!state.lifted) {
+    PetscCall(trust_region_ratio(state, curvature, &current.rho));
+  }
   PetscCall(take_step(search, state, solver.memory));
   if (in_plane) {
     PetscCall(take_shamanskii_steps(options, search, solver.jacobian, solver.memory, state,
@@ -194,14 +205,45 @@ static PetscErrorCode search_and_step(Solver &solver, SNESLineSearch search,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// Follows the direction that met the stop test, where that lowers the energy.
+static PetscErrorCode take_last_step(Solver &solver, SNESLineSearch search,
+                                     LineSearchState &state) {
+  constexpr PetscInt most_trials = 5;
+  IterationRecord &current = solver.record.current;
+  Vec product = nullptr;
+  double curvature = 0;
+  bool accepted = false;
+  PetscFunctionBegin;
+  PetscCall(state.work.get(Work::product, state.x, &product));
+  if (solver.uses_hessian()) {
+    PetscCall(solver.jacobian.unfiltered_curvature(state.d, product, &curvature));
+  }
+  PetscCall(backtrack(solver.options.search, state, 1, most_trials, &accepted));
+  current.trials = state.trials;
+  if (!accepted) {
+    PetscCall(stay(state));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  current.step = state.step;
+  current.truncated = state.truncated;
+  if (solver.uses_hessian()) PetscCall(trust_region_ratio(state, curvature, &current.rho));
+  PetscCall(take_step(search, state, solver.memory));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /// Ends the solve where the stop test is met, unless that point is a saddle that can be left.
 static PetscErrorCode finish_or_leave(Solver &solver, SNESLineSearch search,
                                       LineSearchState &state) {
   IterationRecord &current = solver.record.current;
-  SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
+  SNESConvergedReason reason = SNES_CONVERGED_SNORM_RELATIVE;
   PetscFunctionBegin;
-  PetscCall(verify_minimum(solver.options.search, solver.options.stop, solver.snes, solver.jacobian,
-                           state, solver.record, &reason));
+  if (solver.uses_hessian()) {
+    PetscCall(verify_minimum(solver.options.search, solver.options.stop, solver.snes,
+                             solver.jacobian, state, solver.record, &reason));
+  }
+  if (reason > 0 && solver.options.stop.takes_last && state.slope < 0) {
+    PetscCall(take_last_step(solver, search, state));
+  }
   if (reason) {
     PetscCall(finish(solver, search, reason));
     PetscFunctionReturn(PETSC_SUCCESS);
@@ -233,7 +275,10 @@ static PetscErrorCode iterate(Solver &solver, SNESLineSearch search) {
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   if (!state.lifted) {
-    PetscCall(stop_test(solver.options.stop, solver.energy, state.x, solver.record, &stop));
+    const bool is_newtons = solver.uses_hessian() &&
+                            (solver.jacobian.is_unfiltered() || solver.jacobian.weight() <= 0.5);
+    PetscCall(
+        stop_test(solver.options.stop, solver.energy, state, is_newtons, solver.record, &stop));
   }
   if (stop) {
     PetscCall(finish_or_leave(solver, search, state));
@@ -308,6 +353,10 @@ static PetscErrorCode SNESLineSearchView_Trefoil(SNESLineSearch search, PetscVie
      unfiltered and count it in the record
 .  -snes_trefoil_search <armijo> - Search: armijo, along the direction; subspace, in the plane
      of it and the previous step, with Shamanskii steps
+.  -snes_trefoil_proxy <hessian> - Matrix P of the direction -P^-1 g: hessian, the filtered one;
+     mass, as the host gives it; identity, gradient descent
+.  -snes_trefoil_continue <false> - Filter and search go on from the end of the last solve of
+     the same SNES
 .  -snes_trefoil_corrections <-1> - subspace: most Shamanskii steps an iteration, by the same
      linear solver; -1: 8 where it is direct, else 0
 .  -snes_trefoil_correction_gain <0.03> - subspace: least share of the first step's decrease to
@@ -318,6 +367,10 @@ static PetscErrorCode SNESLineSearchView_Trefoil(SNESLineSearch search, PetscVie
      (energy units, 0 off)
 .  -snes_trefoil_energy_tolerance <1e-08> - Stop when the decrement over the energy scale is
      below (dimensionless, 0 off; off where decrement_tolerance is set)
+.  -snes_trefoil_direction_tolerance <0> - Stop when no entry of the direction is larger, at
+     filter weights up to 1/2 (units of the unknowns, 0 off)
+.  -snes_trefoil_take_last <false> - The direction that meets a stop test is followed before the
+     solve ends
 .  -snes_trefoil_verify_minimum <false> - Where the stop test is met, look for negative
      curvature of the unfiltered Hessian, and leave a saddle along it (off where
      decrement_tolerance is set)

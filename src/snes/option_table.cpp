@@ -4,6 +4,8 @@
 
 const char *const TrefoilSearches[] = {"armijo", "subspace", "TrefoilSearch", "TREFOIL_SEARCH_",
                                        nullptr};
+const char *const TrefoilProxies[] = {"hessian",      "mass",           "identity",
+                                      "TrefoilProxy", "TREFOIL_PROXY_", nullptr};
 const char *const TrefoilSpaces[] = {"element", "deformation", "TrefoilSpace", "TREFOIL_SPACE_",
                                      nullptr};
 
@@ -74,6 +76,12 @@ std::vector<Option> table_of(SolverOptions &options) {
        "Search: armijo, along the direction; subspace, in the plane of it and the previous step, "
        "with Shamanskii steps",
        Choice{names_of(TrefoilSearches), &search.kind, "search"}},
+      {"snes_trefoil_proxy",
+       "Matrix P of the direction -P^-1 g: hessian, the filtered one; mass, as the host gives it; "
+       "identity, gradient descent",
+       Choice{names_of(TrefoilProxies), &search.proxy, "proxy"}},
+      {"snes_trefoil_continue",
+       "Filter and search go on from the end of the last solve of the same SNES", &search.goes_on},
       {"snes_trefoil_corrections",
        "subspace: most Shamanskii steps an iteration, by the same linear solver; -1: 8 where it is "
        "direct, else 0",
@@ -93,6 +101,12 @@ std::vector<Option> table_of(SolverOptions &options) {
        "Stop when the decrement over the energy scale is below (dimensionless, 0 off; off where "
        "decrement_tolerance is set)",
        Number{&stop.energy_tolerance, is_not_negative, not_negative}, &stop.energy_tolerance_set},
+      {"snes_trefoil_direction_tolerance",
+       "Stop when no entry of the direction is larger, at filter weights up to 1/2 (units of the "
+       "unknowns, 0 off)",
+       Number{&stop.direction_tolerance, is_not_negative, not_negative}},
+      {"snes_trefoil_take_last",
+       "The direction that meets a stop test is followed before the solve ends", &stop.takes_last},
       {"snes_trefoil_verify_minimum",
        "Where the stop test is met, look for negative curvature of the unfiltered Hessian, and "
        "leave a saddle along it (off where decrement_tolerance is set)",
@@ -110,6 +124,7 @@ std::vector<Option> table_of(SolverOptions &options) {
 std::string name_in(const Choice &choice) {
   if (auto *search = std::get_if<TrefoilSearch *>(&choice.value)) return TrefoilSearches[**search];
   if (auto *space = std::get_if<TrefoilSpace *>(&choice.value)) return TrefoilSpaces[**space];
+  if (auto *proxy = std::get_if<TrefoilProxy *>(&choice.value)) return TrefoilProxies[**proxy];
   return *std::get<std::string *>(choice.value);
 }
 
@@ -120,6 +135,9 @@ void choose(const Choice &choice, std::size_t i) {
   }
   if (auto *space = std::get_if<TrefoilSpace *>(&choice.value)) {
     **space = static_cast<TrefoilSpace>(i);
+  }
+  if (auto *proxy = std::get_if<TrefoilProxy *>(&choice.value)) {
+    **proxy = static_cast<TrefoilProxy>(i);
   }
 }
 

@@ -22,7 +22,7 @@ struct WholeNumber {
 /// One of several names.
 struct Choice {
   std::vector<std::string> names;
-  std::variant<std::string *, TrefoilSearch *, TrefoilSpace *> value;
+  std::variant<std::string *, TrefoilSearch *, TrefoilSpace *, TrefoilProxy *> value;
   const char *noun;
 };
 

@@ -71,7 +71,7 @@ PetscErrorCode Solver::begin_solve() {
   record.begin();
   record.notes = idle_options;
   jacobian.begin_solve();
-  jacobian_is_new = false;
+  jacobian_is_new = proxy_is_formed = false;
   energy.begin_solve();
   // A split callback knows no Dirichlet rows.
   PetscCall(memory.begin_solve(options.search, !split_jacobian));
@@ -161,6 +161,9 @@ PetscErrorCode Solver::end_solve() {
                               options.record_file, json + "\n"));
   }
   record.running = false;
+  for (const IterationRecord &entry : record.history) {
+    if (entry.step > 0 && !entry.truncated) last_lesson = entry;
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

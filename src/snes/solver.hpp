@@ -38,14 +38,18 @@ struct Solver {
 
   SplitJacobian split_jacobian;
   HostJacobian host_jacobian;
+  Callback<TrefoilProxyFunction> mass_proxy;
   FilteredJacobian jacobian;
   JacobianTest jacobian_test;
   bool driven = false;           ///< by our line search; otherwise the Jacobian stays unfiltered
   bool jacobian_is_new = false;  ///< made in this iteration; a SNES may lag it
+  bool proxy_is_formed = false;  ///< in this solve
 
   Energy energy;
   SearchMemory memory;
   SolveRecord record;
+  /// The last step of the last solve, for rules that go on from there.
+  std::optional<IterationRecord> last_lesson;
   std::string json;  ///< the record of the last finished solve
 
   /// Begins a solve unless one is running.
@@ -62,6 +66,7 @@ struct Solver {
   PetscErrorCode set_from_options();
   /// Makes the rule that the options name.
   PetscErrorCode make_rule();
+  [[nodiscard]] bool uses_hessian() const { return options.search.proxy == TREFOIL_PROXY_HESSIAN; }
   /// The floor under filtered eigenvalues for a weight: the user's, else the rule's.
   [[nodiscard]] EigenvalueFloor floor(double weight) const {
     return {options.floor >= 0 ? options.floor : rule->floor(), weight};
@@ -77,6 +82,9 @@ PetscErrorCode is_driven(SNES snes, bool *driven);
 /// Puts our callback before the SNES's present Jacobian callback, whoever set it and when. Called
 /// before each Jacobian, because a host may set its own after reading options.
 PetscErrorCode install_jacobian(Solver &solver);
+/// Makes `H` the matrix of a proxy of the Hessian, once a solve: it stays the same, and so do its
+/// factors. Collective.
+PetscErrorCode form_proxy(Solver &solver, Mat J, Mat H);
 /// Makes the split callback the SNES's Jacobian.
 PetscErrorCode install_split_jacobian(Solver &solver, Mat H);
 
