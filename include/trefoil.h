@@ -282,6 +282,10 @@ PetscErrorCode TrefoilSNESGetTrustRegionRatio(SNES snes, PetscReal *rho);
    rank. Valid until the next solve or the SNES's destruction. Not collective. */
 PetscErrorCode TrefoilSNESGetRecord(SNES snes, const char **json);
 
+/* The plugin's options as PETSc's manual pages list them, one a line: "-name <default> - what it is".
+   Needs no PetscInitialize(). Valid as long as the library is loaded. Not collective. */
+PetscErrorCode TrefoilGetOptionsManual(const char **lines);
+
 #if defined(__cplusplus)
 }
 #endif

@@ -49,9 +49,12 @@ class Reader {
       const std::string &word = words[i];
       const bool has_value = i + 1 < words.size() && !is_option(words[i + 1]);
       if (word == "--help" || word == "-h") {
-        const bool all = has_value && words[i + 1] == "all";
-        if (!all) arguments_.task = Arguments::Task::help;
-        if (all) arguments_.words = {"-help"};
+        const std::string kind = has_value ? words[i + 1] : "";
+        if (kind == "all") {
+          arguments_.words = {"-help"};
+        } else {
+          arguments_.task = kind == "man" ? Arguments::Task::manual : Arguments::Task::help;
+        }
         return;
       }
       if (word == "--version") {

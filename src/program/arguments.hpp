@@ -12,6 +12,7 @@ struct Arguments {
     usage,    ///< nothing: no arguments at all
     help,     ///< --help, -h
     version,  ///< --version
+    manual,   ///< --help man
   };
   Task task = Task::run;
   std::vector<std::string> words;        ///< options and values for PETSc, those of files included

@@ -25,16 +25,6 @@ std::string joined(const std::vector<std::string> &words) {
   return list;
 }
 
-/// One option with all that its row says.
-std::string described(const OptionRow &row) {
-  std::string text = column(row.name) + row.help;
-  if (!row.choices.empty()) text += ": " + joined(row.choices);
-  if (!row.unit.empty()) text += ", " + row.unit;
-  const std::string value = default_text(row.target);
-  if (!value.empty()) text += " (" + value + ")";
-  return text + "\n";
-}
-
 const char *name_of_kernels() {
   switch (chosen_instruction_set()) {
     case InstructionSet::avx512:
@@ -48,6 +38,15 @@ const char *name_of_kernels() {
 }
 
 }  // namespace
+
+std::string help_of(const OptionRow &row) {
+  std::string text = row.help;
+  if (!row.choices.empty()) text += ": " + joined(row.choices);
+  if (!row.unit.empty()) text += ", " + row.unit;
+  const std::string value = default_text(row.target);
+  if (!value.empty()) text += " (" + value + ")";
+  return text;
+}
 
 std::string short_help() {
   std::string text =
@@ -75,7 +74,9 @@ std::string scene_help() {
   std::ostringstream text;
   for (const OptionGroup &group : scene_option_groups()) {
     text << group.title << "\n";
-    for (const OptionRow &row : group.rows) text << described(row);
+    for (const OptionRow &row : group.rows) {
+      text << column(row.name) << help_of(row) << "\n";
+    }
   }
   return text.str();
 }

@@ -13,6 +13,7 @@
 #include "output/record.hpp"
 #include "program/arguments.hpp"
 #include "program/help.hpp"
+#include "program/manual_page.hpp"
 #include "program/program_errors.hpp"
 #include "scene/fields.hpp"
 #include "scene/report.hpp"
@@ -151,6 +152,8 @@ int run_task(Arguments &arguments, double begin, bool *has_failed) {
       return print(short_help(), stdout, success);
     case Arguments::Task::version:
       return print(version_text(ranks), stdout, success);
+    case Arguments::Task::manual:
+      return print(manual_page(), stdout, success);
     case Arguments::Task::run:
       break;
   }

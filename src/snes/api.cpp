@@ -262,3 +262,10 @@ PetscErrorCode TrefoilSNESGetRecord(SNES snes, const char **json) {
   *json = solver->json.c_str();
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+PetscErrorCode TrefoilGetOptionsManual(const char **lines) {
+  static const std::string manual = trefoil::manual_of_options();
+  PetscFunctionBegin;
+  *lines = manual.c_str();
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -2,6 +2,7 @@
 """What is installed serves from where it is put: `cmake --install build --prefix ELSEWHERE`."""
 import os
 import pathlib
+import re
 import subprocess
 import tempfile
 import unittest
@@ -35,9 +36,27 @@ class Installed(unittest.TestCase):
 
     def test_headers_are_those_of_the_include_folder(self):
         def headers(folder):
-            return {path.relative_to(folder) for path in folder.rglob("*.h*")}
+            return {path.relative_to(folder) for path in folder.rglob("*.h*")
+                    if "share" not in path.relative_to(folder).parts and path.suffix != ".html"}
         self.assertEqual(headers(self.prefix), {pathlib.Path("include", path)
                                                 for path in headers(pathlib.Path(ROOT, "include"))})
+
+    def test_pages_are_there_and_their_links_hold(self):
+        pages = list(self.prefix.rglob("README.md"))
+        self.assertGreaterEqual(len(pages), 5)
+        for page in pages:
+            for link in re.findall(r"\]\(([^)#]+)\)", page.read_text(encoding="utf8")):
+                if not link.startswith("http"):
+                    self.assertTrue((page.parent / link).exists(), f"{page}: {link}")
+        self.assertTrue(list(self.prefix.rglob("LICENSE")))
+
+    def test_the_manual_page_has_every_option(self):
+        page = next(self.prefix.rglob("man1/trefoil.1")).read_text(encoding="utf8")
+        page = page.replace("\\-", "-")
+        for name in ("mesh_file", "constraint_NAME_where", "load_NAME_pressure", "output_fields",
+                     "snes_trefoil_filter", "snes_linesearch_armijo"):
+            self.assertIn(f"\n.B -{name}\n", page)
+        self.assertNotRegex(page, r"(?m)^[.'](?!TH|SH|SS|TP|B\b|BR|I\b|RB|nf|fi)")
 
     def test_a_material_of_ones_own_is_built_against_them(self):
         build = os.path.join(self.folder.name, "own_material")
