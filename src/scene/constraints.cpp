@@ -22,19 +22,6 @@ std::string disagreement(const Mesh &mesh, PetscInt v, const std::string &one,
   return text.str();
 }
 
-/// Refuses a choice that would not be the same at all times.
-PetscErrorCode refuse_time(const Mesh &mesh, const Choice &choice) {
-  PetscFunctionBeginUser;
-  const std::string complaint = complaint_of([&] {
-    if (!Condition(choice.where, choice.option, box_of(mesh), choice.tolerance).uses_time()) return;
-    throw InputError(choice.option + ": '" + choice.where +
-                     "' would hold other vertices at one time than at another; let only their "
-                     "displacements depend on t");
-  });
-  PetscCall(agree_on_complaint(PetscObjectComm(reinterpret_cast<PetscObject>(mesh.dm)), complaint));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 }  // namespace
 
 PetscErrorCode Constraints::choose(const Mesh &mesh, const SceneOptions &options) {
@@ -43,24 +30,26 @@ PetscErrorCode Constraints::choose(const Mesh &mesh, const SceneOptions &options
   mesh_ = &mesh;
   options_ = options.constraints;
   for (const ConstraintOptions &constraint : options_) {
-    const Choice choice{constraint.where, "-constraint_" + constraint.name + "_where",
+    const Choice choice{constraint.where, constraint.group, "-constraint_" + constraint.name,
                         options.where_tolerance * box_of(mesh).diagonal()};
     ConstraintReport report{constraint.name, 0, 0, {}};
     ChosenVertices chosen;
-    ChosenFacets facets;
     PetscInt64 nearly = 0;
-    PetscCall(refuse_time(mesh, choice));
+    bool moves = false;
+    PetscCall(depends_on_time(mesh, choice, &moves));
+    PetscCheck(!moves, comm, PETSC_ERR_USER_INPUT,
+               "%s_where: '%s' would hold other vertices at one time than at another; let only "
+               "their displacements depend on t",
+               choice.option.c_str(), choice.where.c_str());
     PetscCall(choose_vertices(mesh, choice, 0, &chosen));
     PetscCall(count_vertices(mesh, chosen.taken, &report.vertices));
     PetscCall(count_vertices(mesh, chosen.nearly, &nearly));
     PetscCheck(report.vertices > 0, comm, PETSC_ERR_USER_INPUT,
-               "constraint '%s' catches no vertex: %s is '%s' and the mesh spans "
+               "constraint '%s' catches no vertex: %s, and the mesh spans "
                "[%g, %g] x [%g, %g] x [%g, %g]",
-               constraint.name.c_str(), choice.option.c_str(), choice.where.c_str(),
-               mesh.box_min[0], mesh.box_max[0], mesh.box_min[1], mesh.box_max[1], mesh.box_min[2],
-               mesh.box_max[2]);
-    PetscCall(choose_facets(mesh, chosen, &facets));
-    report.area = facets.area;
+               constraint.name.c_str(), choice.text().c_str(), mesh.box_min[0], mesh.box_max[0],
+               mesh.box_min[1], mesh.box_max[1], mesh.box_min[2], mesh.box_max[2]);
+    PetscCall(area_between(mesh, chosen, &report.area));
     if (nearly > 0) warnings_.push_back(warn_of_rest(choice, nearly, "vertices"));
     reports_.push_back(report);
     std::vector<PetscInt> vertices;

@@ -108,12 +108,8 @@ PetscErrorCode Loads::choose(const Mesh &mesh, const LoadsOptions &options, doub
   }
   const double tolerance = where_tolerance * box_of(mesh).diagonal();
   for (const LoadOptions &load : options.loads) {
-    Chosen chosen{load, {load.where, "-load_" + load.name + "_where", tolerance}, {}, false};
-    const std::string complaint = complaint_of([&] {
-      chosen.moves =
-          Condition(load.where, chosen.choice.option, box_of(mesh), tolerance).uses_time();
-    });
-    PetscCall(agree_on_complaint(comm, complaint));
+    Chosen chosen{load, {load.where, load.group, "-load_" + load.name, tolerance}, {}, false};
+    PetscCall(depends_on_time(mesh, chosen.choice, &chosen.moves));
     if (!chosen.moves) PetscCall(choose_facets_of(&chosen, 1));
     if (chosen.facets.nearly > 0) {
       warnings_.push_back(warn_of_rest(chosen.choice, chosen.facets.nearly, "facets"));
@@ -125,15 +121,14 @@ PetscErrorCode Loads::choose(const Mesh &mesh, const LoadsOptions &options, doub
 
 PetscErrorCode Loads::choose_facets_of(Chosen *load, double time) {
   const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(mesh_->dm));
-  ChosenVertices vertices;
   PetscFunctionBeginUser;
-  PetscCall(choose_vertices(*mesh_, load->choice, time, &vertices));
-  PetscCall(choose_facets(*mesh_, vertices, &load->facets));
+  PetscCall(choose_facets(*mesh_, load->choice, time, &load->facets));
   PetscCheck(load->facets.count > 0, comm, PETSC_ERR_USER_INPUT,
-             "load '%s' takes no facet of the surface: %s, which must hold at %s, is '%s'",
-             load->options.name.c_str(), load->choice.option.c_str(),
-             mesh_->dimension() == 3 ? "all three vertices" : "both ends",
-             load->choice.where.c_str());
+             "load '%s' takes no facet of the surface: %s%s", load->options.name.c_str(),
+             load->choice.text().c_str(),
+             load->choice.where.empty() ? ""
+             : mesh_->dimension() == 3  ? ", which must hold at all three corners"
+                                        : ", which must hold at both ends");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -40,9 +40,11 @@ PetscErrorCode read_constraints(MPI_Comm comm, OptionReader &reader, SceneOption
   for (const std::string &name : names) {
     ConstraintOptions constraint{name};
     PetscCall(reader.read(constraint_rows(constraint)));
-    PetscCheck(!constraint.where.empty(), comm, PETSC_ERR_USER_INPUT,
-               "constraint '%s' has no -constraint_%s_where: say which vertices it takes",
-               name.c_str(), name.c_str());
+    PetscCheck(
+        !constraint.where.empty() || !constraint.group.empty(), comm, PETSC_ERR_USER_INPUT,
+        "constraint '%s' has neither -constraint_%s_where nor -constraint_%s_group: say which "
+        "vertices it takes",
+        name.c_str(), name.c_str(), name.c_str());
     options->constraints.push_back(constraint);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -76,10 +78,12 @@ PetscErrorCode read_loads(MPI_Comm comm, OptionReader &reader, LoadsOptions *loa
     LoadOptions load{name};
     PetscCall(reader.read(load_rows(load)));
     const char *of = name.c_str();
-    PetscCheck(!load.where.empty() && load.pulls(), comm, PETSC_ERR_USER_INPUT,
-               "load '%s' needs -load_%s_where and one of -load_%s_traction, -load_%s_force, "
+    PetscCheck((!load.where.empty() || !load.group.empty()) && load.pulls(), comm,
+               PETSC_ERR_USER_INPUT,
+               "load '%s' needs -load_%s_where or -load_%s_group, and one of -load_%s_traction, "
+               "-load_%s_force, "
                "-load_%s_pressure: say which facets it takes and how it pulls at them",
-               of, of, of, of, of);
+               of, of, of, of, of, of);
     loads->loads.push_back(load);
   }
   PetscFunctionReturn(PETSC_SUCCESS);

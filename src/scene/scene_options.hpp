@@ -12,7 +12,8 @@ namespace trefoil {
 /// Part of a boundary condition: which vertices, and where they go.
 struct ConstraintOptions {
   std::string name;
-  std::string where = {};  ///< expression, non-zero at the vertices it takes
+  std::string where = {};  ///< formula, non-zero at the vertices it takes
+  std::string group = {};  ///< name or number of a group of the mesh file
   std::string move = {};   ///< expression with a value for each dimension, or `free`; empty: zero
 };
 
@@ -29,6 +30,7 @@ struct RegionOptions {
 struct LoadOptions {
   std::string name;
   std::string where = {};     ///< formula, non-zero at all corners of the facets it takes
+  std::string group = {};     ///< name or number of a group of the mesh file
   std::string traction = {};  ///< formula with a value for each dimension: force per rest area
   std::string force = {};     ///< the same: the whole force, which is spread by area
   std::string pressure =

@@ -42,7 +42,7 @@ class LoadsTest : public testing::TestWithParam<Element> {
   }
   /// Tractions on the whole side x = 1; two values in the plane, three in space.
   void pull(const std::string &two, const std::string &third, double time = 1) {
-    evaluate({"", {{"side", "x == xmax", in_dimension(two, third)}}}, time);
+    evaluate({"", {{"side", "x == xmax", "", in_dimension(two, third)}}}, time);
   }
   [[nodiscard]] static std::string in_dimension(const std::string &two, const std::string &third) {
     return GetParam().dimension == 2 ? two : two + ", " + third;
@@ -149,7 +149,7 @@ TEST_P(LoadsTest, GravityThatDependsOnPlaceAndTime) {
 TEST_P(LoadsTest, TheFacetsOfALoadMayDependOnTime) {
   const std::string traction = in_dimension("2, -3", "5");
   for (const double time : {0., 0.5}) {  // the left side, and the right one
-    evaluate({"", {{"side", "x == 2*t", traction}}}, time);
+    evaluate({"", {{"side", "x == 2*t", "", traction}}}, time);
     expect_force({2, -3, in_space() ? 5. : 0.});
     EXPECT_NEAR(work([](const double *p) { return Vector{p[0], 0, 0}; }), 4 * time, 1e-13);
   }
@@ -157,9 +157,10 @@ TEST_P(LoadsTest, TheFacetsOfALoadMayDependOnTime) {
 
 TEST_P(LoadsTest, LoadsAddUp) {
   const std::string pull = in_dimension("2, -3", "5"), push = in_dimension("-1, 1", "0");
-  evaluate(
-      {in_dimension("7, 0", "0"),
-       {{"right", "x == xmax", pull}, {"left", "x == xmin", push}, {"top", "y == ymax", pull}}});
+  evaluate({in_dimension("7, 0", "0"),
+            {{"right", "x == xmax", "", pull},
+             {"left", "x == xmin", "", push},
+             {"top", "y == ymax", "", pull}}});
   expect_force({10, -5, in_space() ? 10. : 0.});
 }
 
