@@ -42,11 +42,13 @@ def parts():
             "tip": [(len(vertices) - 1,)], "body": [tuple(cell) for cell in cells]}
 
 
-def write_gmsh(path):
+def write_gmsh(path, flat=()):
+    """The cube, with cells beside it that a repair drops."""
     vertices, _ = cube()
     types = {1: 15, 2: 1, 3: 2, 4: 4}
     elements = [(types[len(entity)], NAMES[name][1], entity)
                 for name, entities in parts().items() for entity in entities]
+    elements += [(4, NAMES["body"][1], cell) for cell in flat]
     with open(path, "w", encoding="ascii") as file:
         file.write(f"$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n{len(NAMES)}\n")
         for name, (dimension, number) in NAMES.items():
@@ -113,6 +115,28 @@ class Groups(unittest.TestCase):
                                                    expected["constraints"][0][key])
                         self.assertEqual(record["loads"][0]["facets"],
                                          expected["loads"][0]["facets"])
+
+    def test_after_a_repair(self):
+        """A cell without volume, between the wall and the body, is dropped."""
+        flat = os.path.join(self.folder.name, "flat.msh")
+        write_gmsh(flat, [(0, 3, 9, 12)])
+        for ranks in (1, 2):
+            whole, repaired = (record_of(self.scene(
+                mesh, ["-constraint_wall_group", "wall"], ["-load_lid_group", "lid"], *options), ranks)
+                for mesh, options in ((self.gmsh, []), (flat, ["-mesh_repair", "drop"])))
+            self.assertLess(abs(energy(repaired) / energy(whole) - 1), 1e-9)
+            self.assertEqual(repaired["loads"][0]["facets"], 8)
+
+    def test_pressure_pushes_inwards(self):
+        for mesh, names in ((self.gmsh, ("wall", "lid")), (self.medit, ("7", "8"))):
+            for ranks in (1, 2):
+                record = record_of(["-mesh_file", mesh, "-constraints", "low", "-constraint_low_where",
+                                    "z == 0", "-loads", "a,b", "-load_a_group", names[0],
+                                    "-load_b_group", names[1], "-load_a_pressure", "2e3",
+                                    "-load_b_pressure", "3e3"], ranks)
+                for load, force in zip(record["loads"], ([2e3, 0, 0], [0, 0, -3e3])):
+                    for value, expected in zip(load["force"], force):
+                        self.assertAlmostEqual(value, expected, delta=1e-9 * 3e3)
 
     def test_curves_and_points(self):
         """A body that hangs at an edge and a point."""
