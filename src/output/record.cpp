@@ -1,5 +1,6 @@
 #include "output/record.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "output/error_table.hpp"
@@ -99,7 +100,7 @@ void complete_times(Json &time, const ProgramTimes &times) {
   const double share = named > times.total ? times.total / named : 1;
   for (const char *phase : phases) time[phase] = share * time[phase].get<double>();
   time["total"] = times.total;
-  time["other"] = times.total - share * named;
+  time["other"] = std::max(times.total - share * named, 0.0);  // named may round up
 }
 
 }  // namespace

@@ -105,7 +105,7 @@ PetscErrorCode time_json(const PhaseClock &clock, MPI_Comm comm, Json *time) {
            {"linear_solve", share * seconds[2]},
            {"line_search", share * seconds[3]},
            {"output", 0.0},
-           {"other", total - share * named}};
+           {"other", std::max(total - share * named, 0.0)}};  // named may round up
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -1,6 +1,9 @@
 #!/usr/bin/python3
 """Unmodified PETSc codes get the filter from their command line: examples/embed, 1 and 2 ranks."""
 import os
+import re
+import subprocess
+import tempfile
 import unittest
 
 from hosts import DIRECT, HOSTS, LIBRARY, LOAD, ROOT, TREFOIL, outcome, run, sentence
@@ -9,6 +12,9 @@ ELEMENTS = [os.path.join(HOSTS, "elements")]
 PLEX = [os.path.join(HOSTS, "plex_fe")]
 ROWS = [os.path.join(HOSTS, "row_by_row")]
 OWN_RULE = [os.path.join(HOSTS, "own_rule")]
+TWO_MATRICES = [os.path.join(HOSTS, "two_matrices")]
+STATIC = [os.path.join(HOSTS, "static_host")]
+DOLFIN = ["/usr/bin/python3", os.path.join(ROOT, "tests", "embed", "dolfin_twist.py")]
 DOLFINX = ["/usr/bin/python3", os.path.join(ROOT, "examples", "embed", "dolfinx_stretch.py")]
 
 
@@ -89,6 +95,77 @@ class HandWrittenElements(Host):
                     printed, status, _ = run(ELEMENTS, f"{DIRECT} {TREFOIL} {options}", ranks)
                     self.assertNotEqual(status, 0)
                     self.assertIn(words, sentence(printed))
+
+    def test_matrix_free_goes_on_where_the_user_says_so(self):
+        for options, note in (("-pc_type lu -snes_mf_operator -ksp_type preonly", None),
+                              ("-pc_type lu -snes_mf_operator -ksp_type gmres -stretch 1.1",
+                               "multiplies by a matrix that is not filtered"),
+                              ("-snes_mf -ksp_type gmres -stretch 1.1", "nothing of it is filtered")):
+            with self.subTest(options=options):
+                printed, status, record = run(
+                    ELEMENTS, f"{TREFOIL} {options} -cells 3 -snes_trefoil_strict false "
+                              "-snes_trefoil_record record.json")
+                self.assertEqual(status, 0)
+                self.assertTrue(outcome(printed)[0], printed)
+                if note:
+                    self.assertIn(note, printed)
+                    self.assertIn(note, record["solver"]["notes"][0])
+                    self.assertGreater(record["solver"]["unfiltered_blocks"], 0)
+
+    def test_types_without_newton_directions_are_named(self):
+        for kind in ("qn", "ncg", "vinewtonrsls", "vinewtonssls"):
+            printed, status, _ = run(ELEMENTS, f"{LOAD} -snes_type {kind} -objective "
+                                               "-snes_linesearch_type trefoil")
+            self.assertNotEqual(status, 0)
+            self.assertIn(f"SNES type '{kind}' does not support line search trefoil",
+                          sentence(printed))
+
+
+class TwoMatrices(Host):
+    def test_the_operator_is_filtered_too_or_refused(self):
+        krylov = "-ksp_type gmres -pc_type jacobi -ksp_rtol 1e-12 -ksp_gmres_restart 40"
+        direct, _, _ = run(TWO_MATRICES, f"-same {DIRECT} {TREFOIL}")
+        expected = outcome(direct)
+        self.assertTrue(expected[0])
+        for options in (f"-same {krylov}", DIRECT):  # a direct solver looks at P alone
+            printed, _, _ = run(TWO_MATRICES, f"{options} {TREFOIL}")
+            self.assertEqual(outcome(printed)[:2], expected[:2])
+            self.assertLess(abs(outcome(printed)[2] / expected[2] - 1), 1e-8)
+        printed, status, _ = run(TWO_MATRICES, f"{krylov} {TREFOIL}")
+        self.assertNotEqual(status, 0)
+        self.assertIn("two matrices differ", sentence(printed))
+
+    def test_a_right_jacobian_passes_petscs_own_test(self):
+        printed, _, record = run(TWO_MATRICES, f"-one {DIRECT} {TREFOIL} -snes_test_jacobian "
+                                               "-snes_max_it 4 -snes_trefoil_record record.json")
+        ratios = re.findall(r"J - Jfd\|\|_F/\|\|J\|\|_F = ([0-9.e+-]+)", printed)
+        self.assertEqual(len(ratios), 4, printed)  # once an iteration
+        for ratio in ratios:
+            self.assertLess(float(ratio), 1e-6)
+        self.assertGreater(record["history"][0]["indefinite"], 0)  # and yet it was filtered
+
+
+class StaticHost(Host):
+    def test_petsc_may_end_after_our_own_destructors(self):
+        for _ in range(5):
+            printed, status, _ = run(STATIC, f"-pc_type lu {TREFOIL}")
+            self.assertEqual(status, 0, printed)
+            self.assertTrue(outcome(printed)[0])
+
+
+@unittest.skipUnless(subprocess.run(["/usr/bin/python3", "-c", "import dolfin"], check=False,
+                                    stderr=subprocess.DEVNULL).returncode == 0,
+                     "python3-dolfin is not installed")
+class LegacyDolfin(Host):
+    def test_twist_has_stocks_energy_and_ends_well(self):
+        with tempfile.TemporaryDirectory() as cache:
+            home = {"DIJITSO_CACHE_DIR": cache}
+            stock, _, _ = run(DOLFIN, "", variables=home)
+            for _ in range(5):
+                printed, status, _ = run(DOLFIN, "", variables={"PETSC_OPTIONS": TREFOIL, **home})
+                self.assertEqual(status, 0, printed)
+                self.assertIn("the objective is the norm of the residual", printed)
+                self.assertLess(abs(outcome(printed)[2] / outcome(stock)[2] - 1), 1e-10)
 
 
 class PlexFiniteElements(Host):
