@@ -8,9 +8,9 @@
 #include <cstdlib>
 #include <fstream>
 
+#include "input/scene_file.hpp"
 #include "program/option_lines.hpp"
 #include "program/program_errors.hpp"
-#include "scene/scene_file.hpp"
 #include "trefoil/input_error.hpp"
 
 namespace trefoil {

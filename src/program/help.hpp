@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "scene/option_table.hpp"
+#include "input/option_table.hpp"
 
 namespace trefoil {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <sstream>
 
-#include "scene/expression.hpp"
+#include "input/expression.hpp"
 #include "support/collective_error.hpp"
 #include "support/petsc_compatibility.hpp"
 #include "trefoil/input_error.hpp"

@@ -5,10 +5,10 @@
 #include <vector>
 
 #include "assembly/discretization.hpp"
+#include "input/selection.hpp"
 #include "output/run_report.hpp"
 #include "scene/rigid_motion.hpp"
 #include "scene/scene_options.hpp"
-#include "scene/selection.hpp"
 
 namespace trefoil {
 

@@ -1,8 +1,8 @@
 #include "scene/initial_displacement.hpp"
 
+#include "input/expression.hpp"
+#include "input/selection.hpp"
 #include "mesh/cell_list.hpp"
-#include "scene/expression.hpp"
-#include "scene/selection.hpp"
 #include "support/collective_error.hpp"
 #include "support/petsc_compatibility.hpp"
 

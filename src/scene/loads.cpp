@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "element/isoparametric_element.hpp"
-#include "scene/expression.hpp"
+#include "input/expression.hpp"
 #include "support/collective_error.hpp"
 #include "support/petsc_compatibility.hpp"
 #include "term/facet_points.hpp"

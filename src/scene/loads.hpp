@@ -3,10 +3,10 @@
 #include <string>
 #include <vector>
 
+#include "input/selection.hpp"
 #include "mesh/mesh.hpp"
 #include "output/run_report.hpp"
 #include "scene/scene_options.hpp"
-#include "scene/selection.hpp"
 
 namespace trefoil {
 

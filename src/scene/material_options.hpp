@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "scene/option_table.hpp"
+#include "input/option_table.hpp"
 #include "trefoil/material_registry.hpp"
 
 namespace trefoil {

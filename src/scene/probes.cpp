@@ -6,8 +6,8 @@
 #include <limits>
 
 #include "element/reference_element.hpp"
-#include "scene/expression.hpp"
-#include "scene/selection.hpp"
+#include "input/expression.hpp"
+#include "input/selection.hpp"
 #include "support/collective_error.hpp"
 #include "support/petsc_compatibility.hpp"
 #include "trefoil/matrix3.hpp"

@@ -4,9 +4,9 @@
 #include <array>
 #include <sstream>
 
+#include "input/expression.hpp"
+#include "input/selection.hpp"
 #include "mesh/group_members.hpp"
-#include "scene/expression.hpp"
-#include "scene/selection.hpp"
 #include "support/collective_error.hpp"
 #include "support/petsc_compatibility.hpp"
 #include "trefoil/input_error.hpp"

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "scene/option_table.hpp"
+#include "input/option_table.hpp"
 #include "scene/scene_options.hpp"
 
 namespace trefoil {

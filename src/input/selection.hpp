@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "input/expression.hpp"
 #include "mesh/boundary.hpp"
-#include "scene/expression.hpp"
 
 namespace trefoil {
 

@@ -1,4 +1,4 @@
-#include "scene/scene_file.hpp"
+#include "input/scene_file.hpp"
 
 #include <petscsys.h>
 #include <yaml.h>

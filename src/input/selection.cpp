@@ -1,4 +1,4 @@
-#include "scene/selection.hpp"
+#include "input/selection.hpp"
 
 #include <algorithm>
 #include <sstream>

@@ -1,4 +1,4 @@
-#include "scene/option_table.hpp"
+#include "input/option_table.hpp"
 
 #include <algorithm>
 #include <cctype>

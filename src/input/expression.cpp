@@ -1,4 +1,4 @@
-#include "scene/expression.hpp"
+#include "input/expression.hpp"
 
 #include <muParser.h>
 
