@@ -18,6 +18,7 @@
 #include "scene/fields.hpp"
 #include "scene/report.hpp"
 #include "scene/scene.hpp"
+#include "scene/scene_check.hpp"
 #include "scene/solve.hpp"
 #include "scene/solver_help.hpp"
 #include "scene/state_report.hpp"
@@ -62,6 +63,10 @@ PetscErrorCode solve(MPI_Comm comm, const SceneOptions &options, double begin, i
   double output_seconds = 0;
   PetscFunctionBeginUser;
   PetscCall(build_scene(comm, options, &scene));
+  if (options.check) {
+    PetscCall(print_scene_check(scene));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   FieldOutput output(scene, number_of_load_steps(options) != 1);
   const auto observe = [&](double t, PetscInt iterations) {
     PetscFunctionBeginUser;

@@ -31,6 +31,7 @@ PetscErrorCode fill_report(const Scene &scene, const SolveOutcome &outcome, cons
   PetscCall(describe_mesh(scene, &report->mesh));
   report->mesh.inverted_at_start = outcome.inverted_at_start;
   report->plugin_record = outcome.plugin_record;
+  report->linear_solver = outcome.linear_solver;
   report->failure = outcome.failure;
   report->end = end;
   report->constraints = scene.constraints.reports();

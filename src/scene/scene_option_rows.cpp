@@ -139,6 +139,7 @@ std::vector<OptionRow> solve_rows(SceneOptions &options) {
        "What -initial expression starts from, in x y z xmin..zmax", length},
       {"where_tolerance", &options.where_tolerance,
        "What ==, <= and >= of every `where` may be off", "share of the box's diagonal"},
+      {"check", &options.check, "Build the scene, say what it holds, solve nothing; also --check"},
       {"assembly",
        &options.assembly,
        "H and N at once, in batches; plain: by LAPACK and MatSetValues; hook: as a code that "

@@ -73,6 +73,7 @@ struct SceneOptions {
   PetscInt initial_steps = 20;           ///< local/global steps of arap
   std::string filter_space = "element";  ///< -snes_trefoil_space, which the element term reads
   std::string assembly = "split";        ///< or "hook": through the plugin's watch on the Mat
+  bool check = false;                    ///< build the scene, say what it holds, solve nothing
   std::string output_file;
   std::vector<std::string> output_fields;  ///< empty: see default_fields()
   std::string csv_file;                    ///< results as a table

@@ -182,7 +182,7 @@ struct Attempt {
   bool converged = false;
   PetscInt iterations = 0;
   PetscInt64 inverted = 0;
-  std::string record, reason;
+  std::string record, reason, linear_solver;
 };
 
 PetscErrorCode set_up_solver(Scene &scene, double head_start, const SolveOutcome &outcome,
@@ -225,6 +225,9 @@ PetscErrorCode solve_from_start(Scene &scene, double head_start, bool may_fail,
   if (linear_iterations > 0) PetscCall(refuse_unused_of_solver(comm));
   PetscCall(SNESGetConvergedReason(snes, &reason));
   PetscCall(TrefoilSNESGetRecord(snes, &record));
+  LinearSolver linear;
+  PetscCall(describe_linear_solver(snes, &linear));
+  attempt->linear_solver = linear.text;
   attempt->converged = reason > 0;
   attempt->record = record;
   const auto json = nlohmann::json::parse(attempt->record, nullptr, false);
@@ -300,6 +303,7 @@ PetscErrorCode Walk::take_step(double time, Attempt *attempt) {
 
 void Walk::record(double time, const Attempt &attempt, bool is_rejected) {
   if (attempt.record.empty()) return;
+  outcome_->linear_solver = attempt.linear_solver;
   records_.push_back({attempt.record, sizes_.accepted() + 1, time, is_rejected});
 }
 
@@ -380,6 +384,28 @@ PetscErrorCode solve_scene(Scene &scene, const StateObserver &observe, SolveOutc
   PetscCall(scene.functional->energy(scene.displacement, &end));
   outcome->energy_scale = end.scale;
   PetscCall(scene.functional->count_inverted(scene.displacement, &outcome->inverted));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode expect_linear_solver(Scene &scene, LinearSolver *solver) {
+  SNES snes = nullptr;
+  SolveOutcome outcome;
+  PetscFunctionBeginUser;
+  PetscCall(set_up_solver(scene, 0, outcome, &snes));
+  PetscCall(expect_linear_solver(snes, scene.hessian, solver));
+  PetscCall(SNESDestroy(&snes));
+  const std::string initial = choose_initial(scene.options);
+  if (initial == "rest" || initial == "expression") {  // which takes no solve
+    EnergySums start;
+    PetscCall(make_start(scene, &outcome));
+    PetscCall(scene.functional->energy(scene.displacement, &start));
+    if (scene.options.load_steps == "1") PetscCall(check_start(scene, start.energy));
+  }
+  // Other preconditioners than a factor read their options when they are set up.
+  if (solver->factor_bytes > 0) {
+    PetscCall(
+        refuse_unused_of_solver(PetscObjectComm(reinterpret_cast<PetscObject>(scene.mesh.dm))));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "output/run_report.hpp"
+#include "scene/linear_solver.hpp"
 #include "scene/scene.hpp"
 #include "scene/starting_guess.hpp"
 
@@ -18,6 +19,7 @@ struct SolveOutcome {
   std::string failure;
   double time = 1;            ///< t of the state that the scene is left at
   std::string plugin_record;  ///< JSON of the plugin, see TrefoilSNESGetRecord()
+  std::string linear_solver;  ///< in words, see LinearSolver
   GuessCost guess;
   double energy_rest = 0, energy_scale = 0;
   PetscInt64 inverted_at_start = 0, inverted = 0;
@@ -34,5 +36,9 @@ using StateObserver = std::function<PetscErrorCode(double t, PetscInt iterations
 /// scene is left at the last equilibrium that stands (where there was but one solve, at its last
 /// iterate).
 PetscErrorCode solve_scene(Scene &scene, const StateObserver &observe, SolveOutcome *outcome);
+
+/// What would solve the scene's linear systems, with the size of a factor. Solves nothing; options
+/// that no solver knows are errors where they can be told without. Collective.
+PetscErrorCode expect_linear_solver(Scene &scene, LinearSolver *solver);
 
 }  // namespace trefoil
