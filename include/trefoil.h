@@ -33,8 +33,8 @@ PetscErrorCode PetscDLLibraryRegister_trefoil(void);
 typedef enum { TREFOIL_SEARCH_ARMIJO, TREFOIL_SEARCH_SUBSPACE } TrefoilSearch;
 PETSC_EXTERN const char *const TrefoilSearches[];
 
-/* The matrix P of the direction -P^-1 g: the filtered Hessian; a mass matrix that the host gives; or
-   none, which is gradient descent. Directions of the last two are as long as the last step along
+/* The matrix P of the direction -P^-1 g: the filtered Hessian; a mass matrix that the host gives;
+   or none, which is gradient descent. Directions of the last two are as long as the last step along
    one of them was, and a bit more. */
 typedef enum { TREFOIL_PROXY_HESSIAN, TREFOIL_PROXY_MASS, TREFOIL_PROXY_IDENTITY } TrefoilProxy;
 PETSC_EXTERN const char *const TrefoilProxies[];
@@ -282,8 +282,8 @@ PetscErrorCode TrefoilSNESGetTrustRegionRatio(SNES snes, PetscReal *rho);
    rank. Valid until the next solve or the SNES's destruction. Not collective. */
 PetscErrorCode TrefoilSNESGetRecord(SNES snes, const char **json);
 
-/* The plugin's options as PETSc's manual pages list them, one a line: "-name <default> - what it is".
-   Needs no PetscInitialize(). Valid as long as the library is loaded. Not collective. */
+/* The plugin's options as PETSc's manual pages list them, one a line: "-name <default> - what it
+   is". Needs no PetscInitialize(). Valid as long as the library is loaded. Not collective. */
 PetscErrorCode TrefoilGetOptionsManual(const char **lines);
 
 #if defined(__cplusplus)

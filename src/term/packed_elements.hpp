@@ -4,7 +4,6 @@
 
 #include "element/element_packs.hpp"
 #include "filter/filter.hpp"
-#include "filter/filter.hpp"
 
 namespace trefoil {
 
