@@ -13,7 +13,8 @@ ALLOWED = {  # from the bottom up; all may include include/trefoil
     "assembly": "contact element filter mesh simd support term", "time": "support term",
     "input": "mesh support term", "output": "mesh support",
     "scene": "assembly contact element input mesh mesh/io output support term time",
-    "program": "input output scene support"}
+    "solve": "assembly contact element input mesh output scene support term time",
+    "program": "input output scene solve support"}
 PRIVATE = {"hook", "rule", "search", "snes"}  # of libtrefoil.so; others have trefoil.h for it
 
 

@@ -1,7 +1,7 @@
 // Starting guesses: what they reproduce exactly, and that ranks agree. Needs petsc_main.cpp.
 
 #include "body.hpp"
-#include "scene/starting_guess.hpp"
+#include "solve/starting_guess.hpp"
 
 namespace trefoil::test {
 namespace {

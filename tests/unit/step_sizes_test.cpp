@@ -1,6 +1,6 @@
 // How a way is cut into load steps: equal ones, halved ones, ones that grow again.
 
-#include "scene/step_sizes.hpp"
+#include "solve/step_sizes.hpp"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "scene/scene.hpp"
-#include "scene/starting_guess.hpp"
+#include "solve/starting_guess.hpp"
 
 namespace trefoil {
 

@@ -1,4 +1,4 @@
-#include "scene/scene_check.hpp"
+#include "solve/scene_check.hpp"
 
 #include <sys/resource.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <string>
 
-#include "scene/solve.hpp"
+#include "solve/solve.hpp"
 #include "support/petsc_compatibility.hpp"
 
 namespace trefoil {

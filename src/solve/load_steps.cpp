@@ -1,4 +1,4 @@
-#include "scene/load_steps.hpp"
+#include "solve/load_steps.hpp"
 
 #include <nlohmann/json.hpp>
 

@@ -1,4 +1,4 @@
-#include "scene/linear_solver.hpp"
+#include "solve/linear_solver.hpp"
 
 #include "support/petsc_compatibility.hpp"
 

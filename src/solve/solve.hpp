@@ -6,9 +6,9 @@
 #include <string>
 
 #include "output/run_report.hpp"
-#include "scene/linear_solver.hpp"
 #include "scene/scene.hpp"
-#include "scene/starting_guess.hpp"
+#include "solve/linear_solver.hpp"
+#include "solve/starting_guess.hpp"
 
 namespace trefoil {
 

@@ -1,4 +1,4 @@
-#include "scene/starting_guess.hpp"
+#include "solve/starting_guess.hpp"
 
 #include <petscksp.h>
 #include <petsctime.h>

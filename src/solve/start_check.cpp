@@ -1,4 +1,4 @@
-#include "scene/start_check.hpp"
+#include "solve/start_check.hpp"
 
 #include <array>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "scene/solve.hpp"
+#include "solve/solve.hpp"
 
 #include <petsctime.h>
 
@@ -8,11 +8,11 @@
 #include <sstream>
 
 #include "scene/initial_displacement.hpp"
-#include "scene/load_steps.hpp"
-#include "scene/solver_help.hpp"
-#include "scene/start_check.hpp"
-#include "scene/step_sizes.hpp"
 #include "scene/unknown_options.hpp"
+#include "solve/load_steps.hpp"
+#include "solve/solver_help.hpp"
+#include "solve/start_check.hpp"
+#include "solve/step_sizes.hpp"
 #include "support/petsc_compatibility.hpp"
 #include "trefoil.h"
 

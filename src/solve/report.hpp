@@ -1,7 +1,7 @@
 #pragma once
 
 #include "output/run_report.hpp"
-#include "scene/solve.hpp"
+#include "solve/solve.hpp"
 
 namespace trefoil {
 

@@ -1,4 +1,4 @@
-#include "scene/step_sizes.hpp"
+#include "solve/step_sizes.hpp"
 
 #include <algorithm>
 

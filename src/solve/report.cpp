@@ -1,4 +1,4 @@
-#include "scene/report.hpp"
+#include "solve/report.hpp"
 
 #include "support/petsc_compatibility.hpp"
 

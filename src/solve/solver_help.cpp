@@ -1,4 +1,4 @@
-#include "scene/solver_help.hpp"
+#include "solve/solver_help.hpp"
 
 #include "support/petsc_compatibility.hpp"
 #include "trefoil.h"
