@@ -108,7 +108,7 @@ double Box::diagonal() const {
 struct Expression::Parser {
   mu::Parser parser;
   double x = 0, y = 0, z = 0, t = 0, free = free_value;
-  bool uses_time = false;
+  bool uses_time = false, uses_place = false;
 };
 
 Expression::Expression(const std::string &text, const std::string &where_from, const Box &box)
@@ -137,7 +137,9 @@ Expression::Expression(const std::string &text, const std::string &where_from, c
     parser.SetExpr(text);
     int count = 0;
     parser.Eval(count);
-    parser_->uses_time = parser.GetUsedVar().count("t") > 0;
+    const auto &used = parser.GetUsedVar();
+    parser_->uses_time = used.count("t") > 0;
+    parser_->uses_place = used.count("x") + used.count("y") + used.count("z") > 0;
   } catch (const mu::Parser::exception_type &error) {
     throw InputError(where_from + ": cannot read the expression '" + text + "': " + error.GetMsg() +
                      hint_for(text));
@@ -146,6 +148,10 @@ Expression::Expression(const std::string &text, const std::string &where_from, c
 
 Expression::~Expression() = default;
 Expression::Expression(Expression &&) noexcept = default;
+
+bool Expression::uses_place() const {
+  return parser_->uses_place;
+}
 
 bool Expression::uses_time() const {
   return parser_->uses_time;

@@ -33,6 +33,8 @@ class Expression {
 
   /// Whether the formula depends on t.
   [[nodiscard]] bool uses_time() const;
+  /// Whether it depends on x, y or z.
+  [[nodiscard]] bool uses_place() const;
 
   /// Whether a value is the word `free`: the component is not prescribed.
   static bool is_free(double value);

@@ -9,6 +9,7 @@
 #include "output/run_report.hpp"
 #include "scene/rigid_motion.hpp"
 #include "scene/scene_options.hpp"
+#include "scene/support.hpp"
 
 namespace trefoil {
 
@@ -56,6 +57,8 @@ class Constraints {
 
 /// Refuses constraints that leave a rigid-body mode of the body, or of one of its connected parts,
 /// free: the Hessian would be singular. Collective.
-PetscErrorCode check_rigid_body_modes(const Mesh &mesh, const HeldDofs &held);
+/// @param supports what else holds it, this rank's
+PetscErrorCode check_rigid_body_modes(const Mesh &mesh, const HeldDofs &held,
+                                      const std::vector<Support> &supports = {});
 
 }  // namespace trefoil

@@ -8,7 +8,10 @@
 #include "input/expression.hpp"
 #include "support/collective_error.hpp"
 #include "support/petsc_compatibility.hpp"
+#include "term/dead_load_term.hpp"
 #include "term/facet_points.hpp"
+#include "term/foundation_term.hpp"
+#include "term/pressure_term.hpp"
 #include "trefoil/input_error.hpp"
 
 namespace trefoil {
@@ -114,9 +117,111 @@ PetscErrorCode Loads::choose(const Mesh &mesh, const LoadsOptions &options, doub
     if (chosen.facets.nearly > 0) {
       warnings_.push_back(warn_of_rest(chosen.choice, chosen.facets.nearly, "facets"));
     }
+    PetscCall(check_potentials(chosen));
     chosen_.push_back(std::move(chosen));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Refuses what has no potential.
+PetscErrorCode Loads::check_potentials(const Chosen &load) const {
+  const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(mesh_->dm));
+  const char *name = load.options.name.c_str();
+  bool uses_place = false;
+  PetscFunctionBeginUser;
+  if (!load.options.follower && load.options.spring.empty()) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCheck(!load.moves, comm, PETSC_ERR_USER_INPUT,
+             "-load_%s_where depends on t, and %s must stay where it is", name,
+             load.options.follower ? "a pressure that follows the body" : "a spring");
+  const std::string complaint = complaint_of([&] {
+    if (!load.options.follower) return;
+    const std::string option = "-load_" + load.options.name + "_pressure";
+    uses_place = Expression(load.options.pressure, option, box_of(*mesh_)).uses_place();
+  });
+  PetscCall(agree_on_complaint(comm, complaint));
+  PetscCheck(!uses_place, comm, PETSC_ERR_USER_INPUT,
+             "-load_%s_pressure is '%s'; a pressure that follows the body has a potential only "
+             "where it is the same on all facets: let it depend on t alone, or leave out "
+             "-load_%s_follower",
+             name, load.options.pressure.c_str(), name);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+std::vector<Support> Loads::supports() const {
+  std::vector<Support> supports;
+  for (const Chosen &load : chosen_) {
+    if (load.options.spring.empty()) continue;
+    for (const Facet &facet : load.facets.facets) {
+      for (const FacetPoint &point : points_of_facet(*mesh_, facet)) {
+        for (const PetscInt vertex : facet) {
+          if (load.options.spring_normal) supports.push_back({vertex, point.normal});
+          if (load.options.spring_normal) continue;
+          supports.push_back({vertex, {1, 0, 0}});
+          supports.push_back({vertex, {0, 1, 0}});
+          supports.push_back({vertex, {0, 0, 1}});
+        }
+      }
+    }
+  }
+  return supports;
+}
+
+bool Loads::any_follows() const {
+  return std::any_of(chosen_.begin(), chosen_.end(),
+                     [](const Chosen &load) { return load.options.follower; });
+}
+
+std::unique_ptr<PressureTerm> Loads::make_pressure(const Chosen &load) const {
+  const auto formula = std::make_shared<Formula>(
+      *mesh_, load.options.pressure, "-load_" + load.options.name + "_pressure", load.moves);
+  const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(mesh_->dm));
+  return std::make_unique<PressureTerm>(
+      *mesh_, load.facets.facets, [formula, comm](double time, double *pressure) {
+        PetscFunctionBeginUser;
+        const std::string complaint =
+            complaint_of([&] { *pressure = formula->scalar(Point{}, time); });
+        PetscCall(agree_on_complaint(comm, complaint));
+        PetscFunctionReturn(PETSC_SUCCESS);
+      });
+}
+
+std::unique_ptr<Term> Loads::make_springs(const Chosen &load) const {
+  const std::string option = "-load_" + load.options.name + "_spring";
+  const bool grows_not = true;
+  const auto formula = std::make_shared<Formula>(*mesh_, load.options.spring, option, grows_not);
+  return std::make_unique<FoundationTerm>(
+      *mesh_, load.facets.facets,
+      load.options.spring_normal ? FoundationTerm::Along::normal
+                                 : FoundationTerm::Along::all_directions,
+      [formula, option](const Point &at, double time) {
+        const double stiffness = formula->scalar(at, time);
+        if (stiffness < 0) throw InputError(option + ": a spring's stiffness must not be negative");
+        return stiffness;
+      });
+}
+
+std::vector<std::unique_ptr<Term>> Loads::make_terms() {
+  std::vector<std::unique_ptr<Term>> terms;
+  bool any_dead = !options_.gravity.empty();
+  for (Chosen &load : chosen_) {
+    const LoadOptions &options = load.options;
+    any_dead = any_dead || !options.traction.empty() || !options.force.empty() ||
+               (!options.pressure.empty() && !options.follower);
+    if (options.follower) {
+      auto pressure = make_pressure(load);
+      load.follower = pressure.get();
+      terms.push_back(std::move(pressure));
+    }
+    if (!options.spring.empty()) {
+      terms.push_back(make_springs(load));
+      load.springs = terms.back().get();
+    }
+  }
+  if (any_dead) {
+    terms.push_back(std::make_unique<DeadLoadTerm>(
+        [this](double time, std::vector<double> *all) { return forces(time, all); }));
+  }
+  return terms;
 }
 
 PetscErrorCode Loads::choose_facets_of(Chosen *load, double time) {
@@ -157,7 +262,7 @@ PetscErrorCode Loads::add_load(Chosen &load, double time, std::vector<double> *f
         return force;
       });
     }
-    if (!load.options.pressure.empty()) {
+    if (!load.options.pressure.empty() && !load.options.follower) {
       const Formula pressure(*mesh_, load.options.pressure, option + "pressure", load.moves);
       on_each_point([&](const FacetPoint &point) {
         const double p = pressure.scalar(point.position, time);
@@ -218,8 +323,28 @@ PetscErrorCode Loads::work(double time, const double *u, double *work) {
   if (!any()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(forces(time, &all));
   for (std::size_t k = 0; k < all.size(); ++k) *work += all[k] * u[k];
+  EnergySums potentials;
+  for (const Chosen &load : chosen_) {
+    if (load.follower) PetscCall(load.follower->add_energy(u, &potentials));
+    if (load.springs) PetscCall(load.springs->add_energy(u, &potentials));
+  }
+  *work -= potentials.energy;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, work, 1, MPI_DOUBLE, MPI_SUM,
                              PetscObjectComm(reinterpret_cast<PetscObject>(mesh_->dm))));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Loads::add_at_rims(const double *u, std::vector<double> *gradient) const {
+  std::vector<double> more(mesh_->coordinates.size(), 0);
+  PetscFunctionBeginUser;
+  if (!any_follows()) PetscFunctionReturn(PETSC_SUCCESS);
+  for (const Chosen &load : chosen_) {
+    if (!load.follower) continue;
+    load.follower->add_surface_force(u, more.data());
+    PetscCall(load.follower->add_gradient(u, more.data()));
+  }
+  PetscCall(sum_at_owners(*mesh_, &more));
+  for (std::size_t k = 0; k < more.size(); ++k) (*gradient)[k] -= more[k];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -236,6 +361,9 @@ PetscErrorCode Loads::report(double time, const double *u, std::vector<LoadRepor
   }
   for (Chosen &load : chosen_) {
     forces.assign(mesh_->coordinates.size(), 0);
+    if (load.springs) PetscCall(load.springs->add_gradient(u, forces.data()));
+    for (double &force : forces) force = -force;  // which the gradient is the opposite of
+    if (load.follower) load.follower->add_surface_force(u, forces.data());
     PetscCall(add_load(load, time, &forces));
     LoadReport report{load.options.name, load.facets.count, load.facets.area, {}};
     PetscCall(resultant(forces, u, &report.resultant));

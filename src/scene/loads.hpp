@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -7,11 +8,14 @@
 #include "mesh/mesh.hpp"
 #include "output/run_report.hpp"
 #include "scene/scene_options.hpp"
+#include "scene/support.hpp"
+#include "term/pressure_term.hpp"
 
 namespace trefoil {
 
 /// What pulls at a body: gravity, and loads on parts of its surface. Formulas that do not depend on
-/// t are scaled by it: at t = 1, where a scene is solved unless in steps, they are what they say.
+/// t are scaled by it: at t = 1, where a scene is solved unless in steps, they are what they say;
+/// the stiffness of springs is not scaled.
 class Loads {
  public:
   /// Chooses the facets at rest. Collective; `mesh` must outlive this. Errors, one sentence on all
@@ -23,7 +27,16 @@ class Loads {
 
   [[nodiscard]] bool any() const { return !options_.gravity.empty() || !chosen_.empty(); }
 
-  /// The forces at time t on the vertices that this rank owns, 3 a local vertex. Collective; a
+  /// Where springs hold the body, this rank's.
+  [[nodiscard]] std::vector<Support> supports() const;
+  /// Whether a pressure follows the body.
+  [[nodiscard]] bool any_follows() const;
+
+  /// The terms of the energy, which must live as long as this: dead forces in one, follower
+  /// pressures and springs one each. Once, after choose().
+  std::vector<std::unique_ptr<Term>> make_terms();
+
+  /// The dead forces at time t on the vertices that this rank owns, 3 a local vertex. Collective; a
   /// malformed formula is an error with one sentence on all ranks.
   PetscErrorCode forces(double time, std::vector<double> *forces);
 
@@ -31,8 +44,13 @@ class Loads {
   /// local vertex. Collective.
   PetscErrorCode report(double time, const double *u, std::vector<LoadReport> *reports);
 
-  /// The work of the forces at time t on displacements u: sum f.u. Collective.
+  /// The work of the loads at time t on displacements u, with which they enter the energy: of dead
+  /// forces sum f.u, else what the potential falls short of rest. Collective.
   PetscErrorCode work(double time, const double *u, double *work);
+
+  /// Adds what the forces of pressures that follow the body are more than the gradients of their
+  /// potentials, at the vertices of rims; owned vertices, 3 a local one. Collective.
+  PetscErrorCode add_at_rims(const double *u, std::vector<double> *gradient) const;
 
   /// Sentences about choices that the tolerance would change.
   [[nodiscard]] const std::vector<std::string> &warnings() const { return warnings_; }
@@ -43,9 +61,14 @@ class Loads {
     Choice choice;
     ChosenFacets facets;
     bool moves = false;  ///< `where` depends on t
+    const PressureTerm *follower = nullptr;
+    const Term *springs = nullptr;
   };
 
   PetscErrorCode choose_facets_of(Chosen *load, double time);
+  PetscErrorCode check_potentials(const Chosen &load) const;
+  std::unique_ptr<PressureTerm> make_pressure(const Chosen &load) const;
+  std::unique_ptr<Term> make_springs(const Chosen &load) const;
   PetscErrorCode add_load(Chosen &load, double time, std::vector<double> *forces);
   PetscErrorCode add_gravity(double time, std::vector<double> *forces);
   PetscErrorCode resultant(const std::vector<double> &forces, const double *u,

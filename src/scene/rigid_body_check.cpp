@@ -15,29 +15,46 @@ namespace {
 
 constexpr int modes = 6;
 
-/// Gram matrices of the rigid-body modes over the held dofs, one for each connected part: a mode
+/// Gram matrices of the rigid-body modes over all that is held, one for each connected part: a mode
 /// that the held dofs do not see is in its null space. Lengths are in units of `size`.
-std::vector<double> gram_matrices(const Mesh &mesh, const HeldDofs &held,
-                                  const std::vector<PetscInt> &part, PetscInt parts, double size) {
-  std::array<double, 3> centre{};
-  for (std::size_t i = 0; i < 3; ++i) centre[i] = 0.5 * (mesh.box_min[i] + mesh.box_max[i]);
-  std::vector<double> gram(static_cast<std::size_t>(parts) * modes * modes, 0);
-  for (std::size_t v = 0; v < part.size(); ++v) {
-    if (!mesh.owned[v]) continue;
-    double *G = &gram[static_cast<std::size_t>(part[v]) * modes * modes];
-    for (int i = 0; i < 3; ++i) {
-      if (!held.held[3 * v + static_cast<std::size_t>(i)]) continue;
-      double value[modes];
-      for (int m = 0; m < modes; ++m) {
-        value[m] = rigid_body_mode(m, i, &mesh.coordinates[3 * v], centre) / (m < 3 ? 1 : size);
+class GramMatrices {
+ public:
+  GramMatrices(const Mesh &mesh, double size)
+      : mesh_(mesh), size_(size), gram_(static_cast<std::size_t>(mesh.parts) * modes * modes, 0) {
+    for (std::size_t i = 0; i < 3; ++i) centre_[i] = 0.5 * (mesh.box_min[i] + mesh.box_max[i]);
+  }
+
+  void add(const Support &support) {
+    const auto v = static_cast<std::size_t>(support.vertex);
+    double *G = &gram_[static_cast<std::size_t>(mesh_.part[v]) * modes * modes];
+    double value[modes] = {};
+    for (int m = 0; m < modes; ++m) {
+      for (int i = 0; i < 3; ++i) {
+        value[m] += support.direction[static_cast<std::size_t>(i)] *
+                    rigid_body_mode(m, i, &mesh_.coordinates[3 * v], centre_) / (m < 3 ? 1 : size_);
       }
-      for (int m = 0; m < modes; ++m) {
-        for (int n = 0; n < modes; ++n) G[modes * m + n] += value[m] * value[n];
+    }
+    for (int m = 0; m < modes; ++m) {
+      for (int n = 0; n < modes; ++n) G[modes * m + n] += value[m] * value[n];
+    }
+  }
+  void add(const HeldDofs &held) {
+    for (std::size_t v = 0; v < mesh_.owned.size(); ++v) {
+      for (std::size_t i = 0; mesh_.owned[v] && i < 3; ++i) {
+        Support support{static_cast<PetscInt>(v), {}};
+        support.direction[i] = 1;
+        if (held.held[3 * v + i]) add(support);
       }
     }
   }
-  return gram;
-}
+  std::vector<double> &values() { return gram_; }
+
+ private:
+  const Mesh &mesh_;
+  double size_;
+  std::array<double, 3> centre_{};
+  std::vector<double> gram_;
+};
 
 /// Dimension of the null space of a 6x6 Gram matrix; destroys it.
 PetscErrorCode null_space_dimension(double *G, int *dimension) {
@@ -56,13 +73,17 @@ PetscErrorCode null_space_dimension(double *G, int *dimension) {
 
 }  // namespace
 
-PetscErrorCode check_rigid_body_modes(const Mesh &mesh, const HeldDofs &held) {
+PetscErrorCode check_rigid_body_modes(const Mesh &mesh, const HeldDofs &held,
+                                      const std::vector<Support> &supports) {
   const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(mesh.dm));
   const PetscInt parts = mesh.parts;
   double size = 0;
   PetscFunctionBeginUser;
   for (std::size_t i = 0; i < 3; ++i) size = std::max(size, mesh.box_max[i] - mesh.box_min[i]);
-  std::vector<double> gram = gram_matrices(mesh, held, mesh.part, parts, size);
+  GramMatrices matrices(mesh, size);
+  matrices.add(held);
+  for (const Support &support : supports) matrices.add(support);
+  std::vector<double> &gram = matrices.values();
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, gram.data(), static_cast<PetscMPIInt>(gram.size()),
                              MPI_DOUBLE, MPI_SUM, comm));
   PetscInt loose_parts = 0;

@@ -8,7 +8,6 @@
 #include "scene/loads.hpp"
 #include "scene/regions.hpp"
 #include "support/petsc_compatibility.hpp"
-#include "term/dead_load_term.hpp"
 #include "term/elastic_term.hpp"
 
 namespace trefoil {
@@ -53,11 +52,7 @@ PetscErrorCode add_loads(const std::vector<int> &region_of_cell, Scene *scene) {
   }
   PetscCall(scene->loads.choose(scene->mesh, options.loads, options.where_tolerance,
                                 std::move(density_of_cell)));
-  if (!scene->loads.any()) PetscFunctionReturn(PETSC_SUCCESS);
-  scene->functional->add_term(
-      std::make_unique<DeadLoadTerm>([scene](double time, std::vector<double> *forces) {
-        return scene->loads.forces(time, forces);
-      }));
+  for (auto &term : scene->loads.make_terms()) scene->functional->add_term(std::move(term));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -113,7 +108,6 @@ PetscErrorCode build_scene(MPI_Comm comm, const SceneOptions &options, Scene *sc
   PetscCall(PetscTime(&loaded));
   PetscCall(scene->constraints.choose(scene->mesh, options));
   PetscCall(scene->constraints.hold(1, &held));
-  PetscCall(check_rigid_body_modes(scene->mesh, held));
   PetscCall(scene->discretization.set_up(scene->mesh, held));
   PetscCheck(scene->discretization.total_dofs() > 0, comm, PETSC_ERR_USER_INPUT,
              "the constraints hold every vertex; nothing is left to solve for");
@@ -126,6 +120,7 @@ PetscErrorCode build_scene(MPI_Comm comm, const SceneOptions &options, Scene *sc
   PetscCall(assign_regions(scene->mesh, options.regions, options.where_tolerance, &region_of_cell));
   scene->functional->add_term(make_elastic_term(options, scene->mesh, region_of_cell));
   PetscCall(add_loads(region_of_cell, scene));
+  PetscCall(check_rigid_body_modes(scene->mesh, held, scene->loads.supports()));
   PetscCall(scene->probes.find(scene->mesh, options.probes));
   scene->cells = std::make_unique<CellStates>(scene->mesh, options, std::move(region_of_cell));
   PetscCall(measure_regions(scene->mesh, options, *scene->cells, &scene->regions));

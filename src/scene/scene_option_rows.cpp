@@ -115,6 +115,12 @@ std::vector<OptionRow> load_rows(LoadOptions &load) {
        "force per area",
        {},
        essential},
+      {option + "_follower", &load.follower,
+       "The pressure follows the body: on its current area and normal"},
+      {option + "_spring", &load.spring, "Elastic foundation: stiffness of springs to rest",
+       "force per area and displacement"},
+      {option + "_spring_normal", &load.spring_normal,
+       "The springs hold along the normal at rest only"},
   };
 }
 

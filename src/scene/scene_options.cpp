@@ -81,9 +81,13 @@ PetscErrorCode read_loads(MPI_Comm comm, OptionReader &reader, LoadsOptions *loa
     PetscCheck((!load.where.empty() || !load.group.empty()) && load.pulls(), comm,
                PETSC_ERR_USER_INPUT,
                "load '%s' needs -load_%s_where or -load_%s_group, and one of -load_%s_traction, "
-               "-load_%s_force, "
-               "-load_%s_pressure: say which facets it takes and how it pulls at them",
-               of, of, of, of, of, of);
+               "-load_%s_force, -load_%s_pressure, -load_%s_spring: say which facets it takes and "
+               "how it pulls at them",
+               of, of, of, of, of, of, of);
+    PetscCheck(!load.follower || !load.pressure.empty(), comm, PETSC_ERR_USER_INPUT,
+               "-load_%s_follower is for a pressure: give -load_%s_pressure as well", of, of);
+    PetscCheck(!load.spring_normal || !load.spring.empty(), comm, PETSC_ERR_USER_INPUT,
+               "-load_%s_spring_normal is for springs: give -load_%s_spring as well", of, of);
     loads->loads.push_back(load);
   }
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -36,8 +36,12 @@ struct LoadOptions {
   std::string pressure =
       {};  ///< formula with one value, positive into the body: force per rest area
 
+  bool follower = false;       ///< the pressure acts on the current area
+  std::string spring = {};     ///< formula with one value: stiffness per rest area
+  bool spring_normal = false;  ///< the springs hold along the normal only
+
   [[nodiscard]] bool pulls() const {
-    return !traction.empty() || !force.empty() || !pressure.empty();
+    return !traction.empty() || !force.empty() || !pressure.empty() || !spring.empty();
   }
 };
 

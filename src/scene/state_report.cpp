@@ -97,8 +97,13 @@ PetscErrorCode look_at_cells(const Scene &scene, const double *u, StateReport *s
 
 PetscErrorCode reactions_of_vertices(const Scene &scene, std::vector<double> *reactions) {
   const std::vector<PetscInt> &dofs = scene.discretization.global_dofs();
+  Vec local = nullptr;
+  const PetscScalar *u = nullptr;
   PetscFunctionBeginUser;
   PetscCall(scene.functional->nodal_gradient(scene.displacement, reactions));
+  PetscCall(scene.discretization.get_local(scene.displacement, &local, &u));
+  PetscCall(scene.loads.add_at_rims(u, reactions));
+  PetscCall(scene.discretization.restore_local(&local, &u));
   for (std::size_t k = 0; k < dofs.size(); ++k) {
     if (dofs[k] >= 0) (*reactions)[k] = 0;  // free: in balance, up to the solver's tolerance
   }

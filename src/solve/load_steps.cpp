@@ -24,7 +24,8 @@ PetscErrorCode LoadPath::check(double first, double last) {
     PetscCall(scene_.loads.forces(first, &first_forces));
     PetscCall(scene_.loads.forces(last, &last_forces));
   }
-  changes = held_first.value != held_last.value || first_forces != last_forces;
+  changes = scene_.loads.any_follows() || held_first.value != held_last.value ||
+            first_forces != last_forces;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &changes, 1, MPI_INT, MPI_MAX, comm));
   PetscCheck(changes, comm, PETSC_ERR_USER_INPUT,
              "-load_steps %s would repeat one solve: nothing is moved or loaded, or all that is "
