@@ -15,8 +15,8 @@ namespace {
 static_assert(std::is_same_v<PetscScalar, double>,
               "the files hold doubles: Trefoil needs a PETSc of real numbers in double precision");
 
-std::string group_of(const std::string &prefix, const FieldKind &field) {
-  return prefix + (field.on_vertices ? "/vertex_fields" : "/cell_fields");
+const char *group_of(const FieldKind &field) {
+  return field.on_vertices ? "/vertex_fields" : "/cell_fields";
 }
 
 /// Writes a dataset of `components` columns (a plain list where that is 1), rank below rank.
@@ -50,14 +50,14 @@ PetscErrorCode write_cells(PetscViewer viewer, const ArrangedMesh &mesh) {
 }
 
 PetscErrorCode write_datasets(PetscViewer viewer, const ArrangedMesh *mesh,
-                              const std::string &prefix, const std::vector<ArrangedField> &fields) {
+                              const std::vector<ArrangedField> &fields) {
   PetscFunctionBeginUser;
   if (mesh) {
     PetscCall(write_reals(viewer, points_dataset, 3, mesh->points));
     PetscCall(write_cells(viewer, *mesh));
   }
   for (const ArrangedField &field : fields) {
-    PetscCall(PetscViewerHDF5PushGroup(viewer, group_of(prefix, field).c_str()));
+    PetscCall(PetscViewerHDF5PushGroup(viewer, group_of(field)));
     PetscCall(write_reals(viewer, field.name, field.components, field.values));
     PetscCall(PetscViewerHDF5PopGroup(viewer));
   }
@@ -66,24 +66,24 @@ PetscErrorCode write_datasets(PetscViewer viewer, const ArrangedMesh *mesh,
 
 }  // namespace
 
-std::string dataset_of(const std::string &prefix, const FieldKind &field) {
-  return group_of(prefix, field) + "/" + field.name;
+std::string dataset_of(const FieldKind &field) {
+  return std::string(group_of(field)) + "/" + field.name;
 }
 
-PetscInt64 size_in_hdf5(const ArrangedMesh &mesh, bool with_mesh,
+PetscInt64 size_in_hdf5(const ArrangedMesh &totals, bool with_mesh,
                         const std::vector<ArrangedField> &fields) {
   constexpr PetscInt64 hdf5_itself = 1 << 20;  // generous: some 4 kB a dataset were seen
-  const PetscInt64 points = mesh.total_points, cells = mesh.total_cells;
+  const PetscInt64 points = totals.total_points, cells = totals.total_cells;
   PetscInt64 doubles = with_mesh ? 3 * points : 0;
   for (const ArrangedField &field : fields)
     doubles += (field.on_vertices ? points : cells) * field.components;
-  const PetscInt64 integers = with_mesh ? cells * mesh.shape->nodes : 0;
+  const PetscInt64 integers = with_mesh ? cells * totals.shape->nodes : 0;
   return doubles * static_cast<PetscInt64>(sizeof(double)) +
          integers * static_cast<PetscInt64>(sizeof(PetscInt)) + hdf5_itself;
 }
 
 PetscErrorCode write_hdf5(MPI_Comm comm, const std::string &file, const ArrangedMesh *mesh,
-                          const std::string &prefix, const std::vector<ArrangedField> &fields) {
+                          const std::vector<ArrangedField> &fields) {
   PetscViewer viewer = nullptr;
   H5E_auto2_t printer = nullptr;
   void *printer_data = nullptr;
@@ -93,7 +93,7 @@ PetscErrorCode write_hdf5(MPI_Comm comm, const std::string &file, const Arranged
   PetscCall(PetscPushErrorHandler(PetscReturnErrorHandler, nullptr));
   PetscErrorCode outcome =
       PetscViewerHDF5Open(comm, file.c_str(), mesh ? FILE_MODE_WRITE : FILE_MODE_APPEND, &viewer);
-  if (!outcome) outcome = write_datasets(viewer, mesh, prefix, fields);
+  if (!outcome) outcome = write_datasets(viewer, mesh, fields);
   const PetscErrorCode closing = PetscViewerDestroy(&viewer);
   PetscCall(PetscPopErrorHandler());
   H5Eset_auto2(H5E_DEFAULT, printer, printer_data);

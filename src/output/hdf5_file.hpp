@@ -7,24 +7,23 @@
 /// The heavy half of an output: datasets in an HDF5 file, written by all ranks together.
 namespace trefoil {
 
-/// Creates the file with the mesh, or opens one that is there, and writes fields into groups.
-/// Collective, but where the disk fails on some ranks the outcome may differ between ranks. What
-/// PETSc and HDF5 say about a failure is kept silent.
-/// @param mesh null: the file has it already
-/// @param prefix of the groups, "" or "/step3"
+/// Writes a file that is there, and empty. Collective, but where the disk fails on some ranks the
+/// outcome may differ between ranks. What PETSc and HDF5 say about a failure is kept silent.
+/// @param mesh null: the file has fields only
 PetscErrorCode write_hdf5(MPI_Comm comm, const std::string &file, const ArrangedMesh *mesh,
-                          const std::string &prefix, const std::vector<ArrangedField> &fields);
+                          const std::vector<ArrangedField> &fields);
 
 /// The dataset of a field.
-std::string dataset_of(const std::string &prefix, const FieldKind &field);
+std::string dataset_of(const FieldKind &field);
 
 /// The dataset with the points of the mesh: points x 3.
 inline constexpr const char *points_dataset = "points";
 /// The dataset with the vertices of the cells: cells x nodes.
 inline constexpr const char *cells_dataset = "cells";
 
-/// Room that the datasets need, in bytes.
-PetscInt64 size_in_hdf5(const ArrangedMesh &mesh, bool with_mesh,
+/// Room that the file needs, in bytes.
+/// @param totals of the mesh, which is written where `with_mesh`
+PetscInt64 size_in_hdf5(const ArrangedMesh &totals, bool with_mesh,
                         const std::vector<ArrangedField> &fields);
 
 }  // namespace trefoil

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <functional>
 
 #include "output/hdf5_file.hpp"
 #include "output/output_files.hpp"
@@ -64,12 +65,12 @@ std::string give_second_name(const std::filesystem::path &file, const std::files
   return error ? cannot_write(name, error.message()) : "";
 }
 
-std::string text_of_pvd(const std::filesystem::path &path, const std::vector<double> &times) {
+std::string text_of_pvd(const std::filesystem::path &path, const std::vector<XdmfState> &states) {
   std::string text =
       "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">\n<Collection>\n";
-  for (std::size_t k = 0; k < times.size(); ++k) {
+  for (std::size_t k = 0; k < states.size(); ++k) {
     char t[32];
-    std::snprintf(t, sizeof t, "%.17g", times[k]);
+    std::snprintf(t, sizeof t, "%.17g", states[k].t);
     text += std::string("<DataSet timestep=\"") + t + "\" file=\"" +
             escaped_for_xml(numbered(path, k).filename().string()) + "\"/>\n";
   }
@@ -79,6 +80,8 @@ std::string text_of_pvd(const std::filesystem::path &path, const std::vector<dou
 }  // namespace
 
 struct Series::State {
+  using Write = std::function<PetscErrorCode(const std::string &file)>;  ///< collective
+
   MPI_Comm comm = MPI_COMM_NULL;
   int rank = 0;
   std::filesystem::path path;
@@ -92,12 +95,11 @@ struct Series::State {
   PetscErrorCode write(bool has_time, double t, const std::vector<Field> &fields);
   PetscErrorCode arrange(const std::vector<Field> &fields, std::vector<ArrangedField> *arranged);
   PetscErrorCode write_xdmf(const std::vector<ArrangedField> &fields);
-  PetscErrorCode append_to_hdf5(const std::filesystem::path &file,
-                                const std::vector<ArrangedField> &fields);
-  PetscErrorCode write_first_hdf5(const std::filesystem::path &file,
-                                  const std::vector<ArrangedField> &fields);
-  PetscErrorCode write_one_vtu(const std::filesystem::path &file,
-                               const std::vector<ArrangedField> &fields);
+  PetscErrorCode write_vtus(const std::vector<ArrangedField> &fields);
+  /// Writes a file beside its place, where the disk has room for it, and gives it its name.
+  /// @param stale a description of the file that was there, or empty: removed just before
+  PetscErrorCode write_heavy(const std::filesystem::path &file, const Write &write,
+                             PetscInt64 bytes, const std::filesystem::path &stale = {});
   PetscErrorCode publish_text(const std::filesystem::path &file, const std::string &text);
 };
 
@@ -150,100 +152,78 @@ PetscErrorCode Series::State::publish_text(const std::filesystem::path &file,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Series::State::write_first_hdf5(const std::filesystem::path &file,
-                                               const std::vector<ArrangedField> &fields) {
-  FileInParts data(file);
+PetscErrorCode Series::State::write_heavy(const std::filesystem::path &file, const Write &write,
+                                          PetscInt64 bytes, const std::filesystem::path &stale) {
+  FileInParts whole(file);
   std::string problem;
   PetscFunctionBeginUser;
   // A disk that fills up in the middle of a collective write leaves ranks waiting for ever in
   // HDF5 (seen with 1.10.8 on a small disk): whether there is room is settled before.
-  if (rank == 0) problem = data.create();
-  if (rank == 0 && problem.empty()) {
-    problem = check_room_on_disk(data.part(), size_in_hdf5(mesh, true, fields));
-  }
+  if (rank == 0) problem = whole.create();
+  if (rank == 0 && problem.empty()) problem = check_room_on_disk(whole.part(), bytes);
   PetscCall(agree_on_complaint(comm, problem, PETSC_ERR_FILE_OPEN));
-  PetscCall(data.share(comm));
-  const PetscErrorCode outcome =
-      write_hdf5(comm, data.part().string(), &mesh, states.back().prefix, fields);
-  PetscCall(agree_on_writing(comm, file.string(), outcome));
+  PetscCall(whole.share(comm));
+  PetscCall(agree_on_writing(comm, file.string(), write(whole.part().string())));
   if (rank == 0) {
-    // The old description goes first: at no moment does one stand beside data that it does not fit.
     std::error_code error;
-    std::filesystem::remove(path, error);
-    problem = error ? cannot_write(path, error.message()) : data.publish();
+    if (!stale.empty()) std::filesystem::remove(stale, error);
+    problem = error ? cannot_write(stale, error.message()) : whole.publish();
   }
   PetscCall(agree_on_complaint(comm, problem, PETSC_ERR_FILE_OPEN));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode Series::State::append_to_hdf5(const std::filesystem::path &file,
-                                             const std::vector<ArrangedField> &fields) {
-  std::string problem;
-  PetscFunctionBeginUser;
-  if (rank == 0) problem = check_room_on_disk(file, size_in_hdf5(mesh, false, fields));
-  PetscCall(agree_on_complaint(comm, problem, PETSC_ERR_FILE_OPEN));
-  const PetscErrorCode outcome =
-      write_hdf5(comm, file.string(), nullptr, states.back().prefix, fields);
-  PetscCall(agree_on_writing(comm, file.string(), outcome));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode Series::State::write_xdmf(const std::vector<ArrangedField> &fields) {
-  const std::filesystem::path data =
-      follow_links(std::filesystem::path(path).replace_extension(".h5").string());
+  const std::filesystem::path data = std::filesystem::path(path).replace_extension(".h5");
+  const bool is_series = states.back().has_time, is_first = states.size() == 1;
+  const std::vector<ArrangedField> none;
   PetscFunctionBeginUser;
-  if (states.size() == 1) {
-    PetscCall(write_first_hdf5(data, fields));
-  } else {
-    PetscCall(append_to_hdf5(data, fields));
+  if (is_first) {
+    // An old description goes first: at no moment does one stand beside data that it does not fit.
+    const std::vector<ArrangedField> &with = is_series ? none : fields;
+    PetscCall(write_heavy(
+        data, [&](const std::string &part) { return write_hdf5(comm, part, &mesh, with); },
+        size_in_hdf5(mesh, true, with), path));
+  }
+  const std::filesystem::path of_state = is_series ? numbered(data, states.size() - 1) : data;
+  states.back().data_file = of_state.filename().string();
+  if (is_series) {
+    PetscCall(write_heavy(
+        of_state, [&](const std::string &part) { return write_hdf5(comm, part, nullptr, fields); },
+        size_in_hdf5(mesh, false, fields)));
   }
   PetscCall(publish_text(path, describe_in_xdmf(data.filename().string(), mesh, states)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Series::State::write_one_vtu(const std::filesystem::path &file,
-                                            const std::vector<ArrangedField> &fields) {
-  FileInParts grid(file);
+PetscErrorCode Series::State::write_vtus(const std::vector<ArrangedField> &fields) {
+  const bool is_series = states.back().has_time;
+  const std::filesystem::path file = is_series ? numbered(path, states.size() - 1) : path;
   std::string problem;
   PetscFunctionBeginUser;
-  if (rank == 0) problem = grid.create();
-  if (rank == 0 && problem.empty()) {
-    problem = check_room_on_disk(grid.part(), size_in_vtu(mesh, fields));
-  }
+  PetscCall(write_heavy(
+      file, [&](const std::string &part) { return write_vtu(comm, part, mesh, fields); },
+      size_in_vtu(mesh, fields)));
+  if (!is_series) PetscFunctionReturn(PETSC_SUCCESS);
+  if (rank == 0) problem = give_second_name(file, path);
   PetscCall(agree_on_complaint(comm, problem, PETSC_ERR_FILE_OPEN));
-  PetscCall(grid.share(comm));
-  PetscCall(
-      agree_on_writing(comm, file.string(), write_vtu(comm, grid.part().string(), mesh, fields)));
-  if (rank == 0) problem = grid.publish();
-  PetscCall(agree_on_complaint(comm, problem, PETSC_ERR_FILE_OPEN));
+  PetscCall(publish_text(std::filesystem::path(path).replace_extension(".pvd"),
+                         text_of_pvd(path, states)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode Series::State::write(bool has_time, double t, const std::vector<Field> &fields) {
   std::vector<ArrangedField> arranged;
-  std::string problem;
   PetscFunctionBeginUser;
   PetscCheck(states.empty() || (has_time && states.front().has_time), comm, PETSC_ERR_ORDER,
              "a single state has been written, or is to be written behind others");
   PetscCall(arrange(fields, &arranged));
   if (states.empty()) PetscCall(check_writable(comm, path.string()));
-  states.push_back({has_time,
-                    t,
-                    has_time ? "/step" + std::to_string(states.size()) : "",
-                    {arranged.begin(), arranged.end()}});
-  if (format == OutputFormat::xdmf) {
-    PetscCall(write_xdmf(arranged));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  const std::filesystem::path file = has_time ? numbered(path, states.size() - 1) : path;
-  PetscCall(write_one_vtu(file, arranged));
-  if (!has_time) PetscFunctionReturn(PETSC_SUCCESS);
-  if (rank == 0) problem = give_second_name(file, path);
-  PetscCall(agree_on_complaint(comm, problem, PETSC_ERR_FILE_OPEN));
-  std::vector<double> times;
-  for (const XdmfState &state : states) times.push_back(state.t);
-  PetscCall(publish_text(std::filesystem::path(path).replace_extension(".pvd"),
-                         text_of_pvd(path, times)));
+  states.push_back({has_time, t, "", {arranged.begin(), arranged.end()}});
+  const PetscErrorCode outcome =
+      format == OutputFormat::xdmf ? write_xdmf(arranged) : write_vtus(arranged);
+  if (outcome) states.pop_back();
+  PetscCall(outcome);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -7,15 +7,14 @@
 namespace trefoil {
 
 /// States of one mesh, one after the other, in one output. After every state the files are whole: a
-/// run that is killed leaves what it had.
+/// run that is killed leaves what it had. Nothing that was written is opened again (of appends to
+/// one HDF5 file a kill between two of its writes leaves nothing that can be read).
 ///
-/// - `.xdmf`: a temporal collection; the HDF5 file has the mesh once (/points, /cells) and a group
-/// for
-///   each state (/step0/vertex_fields/displacement). The description is written beside and renamed
-///   each time, after the data that it names.
-/// - `.vtu`: a file for each state (name_0000.vtu), which name.pvd lists by time, and name.vtu,
-/// which
-///   is the last one's.
+/// - `.xdmf`: a temporal collection. name.h5 has the mesh (/points, /cells) once, name_0000.h5 the
+///   fields of the first state (/vertex_fields/displacement), and so on. The description is renamed
+///   last each time.
+/// - `.vtu`: a file for each state (name_0000.vtu), which name.pvd lists by time; name.vtu is the
+///   last one's.
 class Series {
  public:
   Series();

@@ -40,7 +40,7 @@ std::string exactly(double value) {
   return text;
 }
 
-std::string describe(const std::string &data_file, const ArrangedMesh &mesh,
+std::string describe(const std::string &mesh_file, const ArrangedMesh &mesh,
                      const XdmfState &state) {
   const std::string integer =
       "NumberType=\"Int\" Precision=\"" + std::to_string(sizeof(PetscInt)) + "\"";
@@ -51,16 +51,16 @@ std::string describe(const std::string &data_file, const ArrangedMesh &mesh,
   if (state.has_time) text << "      <Time Value=\"" << exactly(state.t) << "\"/>\n";
   text << "      <Topology TopologyType=\"" << mesh.shape->xdmf << "\" NumberOfElements=\""
        << mesh.total_cells << "\">\n        "
-       << data_item(integer, mesh.total_cells, mesh.shape->nodes, data_file, root + cells_dataset)
+       << data_item(integer, mesh.total_cells, mesh.shape->nodes, mesh_file, root + cells_dataset)
        << "\n      </Topology>\n      <Geometry GeometryType=\"XYZ\">\n        "
-       << data_item(real, mesh.total_points, 3, data_file, root + points_dataset)
+       << data_item(real, mesh.total_points, 3, mesh_file, root + points_dataset)
        << "\n      </Geometry>\n";
   for (const FieldKind &field : state.fields)
     text << "      <Attribute Name=\"" << escaped_for_xml(field.name) << "\" AttributeType=\""
          << attribute_type(field.components) << "\" Center=\""
          << (field.on_vertices ? "Node" : "Cell") << "\">\n        "
          << data_item(real, field.on_vertices ? mesh.total_points : mesh.total_cells,
-                      field.components, data_file, dataset_of(state.prefix, field))
+                      field.components, state.data_file, dataset_of(field))
          << "\n      </Attribute>\n";
   text << "    </Grid>\n";
   return text.str();
@@ -79,14 +79,14 @@ std::string escaped_for_xml(const std::string &text) {
   return result;
 }
 
-std::string describe_in_xdmf(const std::string &data_file, const ArrangedMesh &mesh,
+std::string describe_in_xdmf(const std::string &mesh_file, const ArrangedMesh &mesh,
                              const std::vector<XdmfState> &states) {
   const bool is_series = !states.empty() && states.front().has_time;
   std::string text =
       "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<Xdmf Version=\"3.0\">\n  <Domain>\n";
   if (is_series)
     text += "    <Grid Name=\"states\" GridType=\"Collection\" CollectionType=\"Temporal\">\n";
-  for (const XdmfState &state : states) text += describe(data_file, mesh, state);
+  for (const XdmfState &state : states) text += describe(mesh_file, mesh, state);
   if (is_series) text += "    </Grid>\n";
   return text + "  </Domain>\n</Xdmf>\n";
 }

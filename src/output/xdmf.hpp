@@ -5,22 +5,22 @@
 
 #include "output/arranged.hpp"
 
-/// The light half of an output: what the datasets of its HDF5 file mean, in XDMF 3.
+/// The light half of an output: what the datasets of its HDF5 files mean, in XDMF 3.
 namespace trefoil {
 
 /// One state of a mesh.
 struct XdmfState {
   bool has_time = false;
   double t = 0;
-  std::string prefix;  ///< of its groups in the HDF5 file
+  std::string data_file;  ///< name of the HDF5 file with its fields, seen from the XDMF file
   std::vector<FieldKind> fields;
 };
 
-/// @param data_file name of the HDF5 file, seen from the directory of the XDMF file
+/// @param mesh_file name of the HDF5 file with the mesh, seen from the directory of the XDMF file
 /// @param mesh only its shape and its totals count
 /// @param states one, or the states of a series
 /// @return the whole text of the XDMF file
-std::string describe_in_xdmf(const std::string &data_file, const ArrangedMesh &mesh,
+std::string describe_in_xdmf(const std::string &mesh_file, const ArrangedMesh &mesh,
                              const std::vector<XdmfState> &states);
 
 /// Text as it may stand in an XML attribute or between tags.
