@@ -1,6 +1,7 @@
 #!/bin/sh
 # Installs what is missing, by Debian's package names, and builds Release into build/.
 #   sh cmake/setup.sh [tests [PACKAGE ...]]     with `tests`: what the tests need as well
+# With TREFOIL_WARNINGS_AS_ERRORS=ON a warning ends the build.
 set -eu
 cd "$(dirname "$0")/.."
 
@@ -36,5 +37,6 @@ if [ -n "$missing" ]; then
 fi
 
 jobs=$(nproc)
-cmake -S . -B build -DCMAKE_BUILD_TYPE=Release -DTREFOIL_TESTS="$tests"
+cmake -S . -B build -DCMAKE_BUILD_TYPE=Release -DTREFOIL_TESTS="$tests" \
+  -DTREFOIL_WARNINGS_AS_ERRORS="${TREFOIL_WARNINGS_AS_ERRORS:-OFF}"
 cmake --build build -j "$jobs"
