@@ -65,10 +65,33 @@ PetscErrorCode EnergyFunctional::energy_at_rest(double *energy) const {
   EnergySums sums;
   PetscFunctionBeginUser;
   const std::vector<double> u(discretization_.mesh().coordinates.size(), 0);
-  for (const auto &term : terms_) PetscCall(term->add_energy(u.data(), &sums));
+  for (const auto &term : terms_) {
+    if (term->has_cells()) PetscCall(term->add_energy(u.data(), &sums));
+  }
   PetscCall(sum_over_ranks(discretization_.mesh().dm, &sums));
   *energy = sums.energy;
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode EnergyFunctional::energy_of_cells(Vec x, double *energy) const {
+  Vec local = nullptr;
+  const PetscScalar *u = nullptr;
+  EnergySums sums;
+  PetscFunctionBeginUser;
+  PetscCall(discretization_.get_local(x, &local, &u));
+  for (const auto &term : terms_) {
+    if (term->has_cells()) PetscCall(term->add_energy(u, &sums));
+  }
+  PetscCall(discretization_.restore_local(&local, &u));
+  PetscCall(sum_over_ranks(discretization_.mesh().dm, &sums));
+  *energy = sums.energy;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+const PackedElements *EnergyFunctional::cells() const {
+  const auto found = std::find_if(terms_.begin(), terms_.end(),
+                                  [](const auto &term) { return term->has_cells(); });
+  return found == terms_.end() ? nullptr : (*found)->batch();
 }
 
 PetscErrorCode EnergyFunctional::nodal_gradient(Vec x, std::vector<double> *gradient) const {

@@ -29,8 +29,13 @@ class EnergyFunctional {
   /// (one or two) vectors d. Collective.
   PetscErrorCode energy_changes(Vec x, PetscInt directions, const Vec d[], PetscInt points,
                                 const PetscReal coefficients[], PetscReal changes[]) const;
-  /// The energy of the undeformed body, held dofs at rest as well. Collective.
+  /// The energy of the undeformed body, held dofs at rest as well: that of its cells. Collective.
   PetscErrorCode energy_at_rest(double *energy) const;
+  /// Of the terms with cells alone: what strain has stored, and that of the undeformed body.
+  /// Collective.
+  PetscErrorCode energy_of_cells(Vec x, double *energy) const;
+  /// The elements of the first term that has cells, in packs; null where there are none.
+  [[nodiscard]] const PackedElements *cells() const;
   /// The gradient of f, for the unknowns. Collective.
   PetscErrorCode gradient(Vec x, Vec g) const;
   /// df/du of every vertex that this rank owns, held components as well, 3 a local vertex: where a

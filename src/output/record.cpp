@@ -83,6 +83,12 @@ Json state_json(const RunReport &report, const StateReport &state) {
             {"largest_von_mises", place(state.largest_von_mises)},
             {"volume", number(state.volume)}};
   if (!state.probes.empty()) json["probes"] = probes;
+  if (state.motion) {
+    json["dt"] = state.motion->step;
+    json["kinetic_energy"] = number(state.motion->kinetic_energy);
+    json["momentum"] = state.motion->momentum;
+    json["angular_momentum"] = state.motion->angular_momentum;
+  }
   return json;
 }
 
@@ -124,6 +130,13 @@ Json make_record(const RunReport &report) {
     result["reason"] = report.failure;
     result["energy"] = number(end.energy);
     result["t"] = end.t;
+  }
+  if (end.motion) {
+    result["t"] = end.t;
+    result["energy"] = number(end.energy);  // without that of the step's inertia
+    result["kinetic_energy"] = number(end.motion->kinetic_energy);
+    result["momentum"] = end.motion->momentum;
+    result["angular_momentum"] = end.motion->angular_momentum;
   }
   result["strain_energy"] = number(end.strain_energy);
   result["load_work"] = number(end.load_work);

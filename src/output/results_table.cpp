@@ -41,6 +41,13 @@ std::string results_table(const RunReport &report) {
   }
   for (const LoadReport &load : report.loads) names.add_names(load.name + "_force");
   for (const ProbeReport &probe : report.end.probes) names.add_names(probe.name + "_displacement");
+  const bool moves = !report.states.empty() && report.states.front().motion;
+  if (moves) {
+    names.add(std::string("dt"));
+    names.add(std::string("kinetic_energy"));
+    names.add_names("momentum");
+    names.add_names("angular_momentum");
+  }
   std::string table = names.line();
   for (const StateReport &state : report.states) {
     Row row;
@@ -56,6 +63,12 @@ std::string results_table(const RunReport &report) {
     }
     for (const Resultant &load : state.loads) row.add_vector(load.force);
     for (const ProbeReport &probe : state.probes) row.add_vector(probe.displacement);
+    if (moves) {
+      row.add(state.motion->step);
+      row.add(state.motion->kinetic_energy);
+      row.add_vector(state.motion->momentum);
+      row.add_vector(state.motion->angular_momentum);
+    }
     table += row.line();
   }
   return table;

@@ -3,6 +3,7 @@
 #include <petscsys.h>
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -48,7 +49,14 @@ struct ProbeReport {
   std::array<double, 3> displacement{};
 };
 
-/// One equilibrium, at the end of a load step.
+/// How a body moves at the end of a step in time.
+struct MotionReport {
+  double step = 0;  ///< its length; 0 at the start
+  double kinetic_energy = 0;
+  std::array<double, 3> momentum{}, angular_momentum{};  ///< the latter about the origin
+};
+
+/// One state: the equilibrium at the end of a load step, or the end of a step in time.
 struct StateReport {
   double t = 1;
   double energy = 0, strain_energy = 0, load_work = 0;
@@ -58,6 +66,7 @@ struct StateReport {
   Extreme largest_displacement, least_determinant, largest_von_mises;
   double volume = 0;  ///< of the body as it is deformed
   std::vector<ProbeReport> probes;
+  std::optional<MotionReport> motion = {};  ///< in time
 };
 
 /// The mesh as it was solved on.

@@ -58,6 +58,12 @@ std::string energies(const Json &result) {
     text += text_of("strain energy %.10g, work of the loads %.10g\n",
                     number(result["strain_energy"]), number(result["load_work"]));
   }
+  if (result.contains("kinetic_energy")) {
+    text += text_of("at t = %.6g: kinetic energy %.10g, momentum ", number(result["t"]),
+                    number(result["kinetic_energy"])) +
+            vector_text(result["momentum"]) + ", angular momentum " +
+            vector_text(result["angular_momentum"]) + "\n";
+  }
   const double scale = number(result["energy_scale"]);
   const bool at_minimum = result["minimum"].is_boolean() && result["minimum"].get<bool>();
   if (result["error_estimate"].is_number() && scale > 0) {

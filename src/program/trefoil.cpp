@@ -67,15 +67,17 @@ PetscErrorCode solve(MPI_Comm comm, const SceneOptions &options, double begin, i
     PetscCall(print_scene_check(scene));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  FieldOutput output(scene, number_of_load_steps(options) != 1);
+  FieldOutput output(scene, has_series(options));
+  bool is_written = false;  // of the last state that was seen
   const auto observe = [&](double t, PetscInt iterations) {
     PetscFunctionBeginUser;
     const double start = MPI_Wtime();
     StateReport state;
     state.iterations = iterations;
     PetscCall(describe_state(scene, t, &state));
+    is_written = report.states.size() % static_cast<std::size_t>(options.output_every) == 0;
+    if (is_written) PetscCall(output.write(t));
     report.states.push_back(state);
-    PetscCall(output.write(t));
     output_seconds += MPI_Wtime() - start;
     PetscFunctionReturn(PETSC_SUCCESS);
   };
@@ -90,6 +92,7 @@ PetscErrorCode solve(MPI_Comm comm, const SceneOptions &options, double begin, i
     output_seconds += MPI_Wtime() - start;
   } else {
     end = report.states.back();
+    if (!is_written) PetscCall(output.write(end.t));
   }
   PetscCall(fill_report(scene, outcome, end, &report));
   report.times = {MPI_Wtime() - begin, scene.read_seconds, scene.setup_seconds, output_seconds,

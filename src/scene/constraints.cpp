@@ -29,6 +29,7 @@ PetscErrorCode Constraints::choose(const Mesh &mesh, const SceneOptions &options
   PetscFunctionBeginUser;
   mesh_ = &mesh;
   options_ = options.constraints;
+  is_in_time_ = options.time.is_on;
   for (const ConstraintOptions &constraint : options_) {
     const Choice choice{constraint.where, constraint.group, "-constraint_" + constraint.name,
                         options.where_tolerance * box_of(mesh).diagonal()};
@@ -82,7 +83,7 @@ std::vector<double> Constraints::target(std::size_t which, PetscInt vertex, doub
     return displacement;
   }
   std::vector<double> displacement = move.formula->evaluate(place, time, dimension);
-  if (move.formula->uses_time() || time == 1) return displacement;
+  if (is_in_time_ || move.formula->uses_time() || time == 1) return displacement;
   for (double &value : displacement) {
     if (!Expression::is_free(value)) value *= time;
   }
@@ -144,10 +145,40 @@ PetscErrorCode Constraints::find_rigid_moves() {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode Constraints::warn_of_jumps() {
+  const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(mesh_->dm));
+  PetscFunctionBeginUser;
+  for (std::size_t which = 0; which < options_.size(); ++which) {
+    double largest = 0;
+    const std::string complaint = complaint_of([&] {
+      for (const PetscInt v : vertices_[which]) {
+        for (const double value : target(which, v, 0)) {
+          if (!Expression::is_free(value)) largest = std::max(largest, std::abs(value));
+        }
+      }
+    });
+    PetscCall(agree_on_complaint(comm, complaint));
+    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &largest, 1, MPI_DOUBLE, MPI_MAX, comm));
+    if (largest == 0) continue;
+    std::ostringstream text;
+    text << "constraint '" << options_[which].name
+         << "' has moved its vertices at t = 0 already, by "
+         << "up to " << largest << ": they jump there; let -constraint_" << options_[which].name
+         << "_move begin at 0, in t";
+    warnings_.push_back(text.str());
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+bool Constraints::move_in_time() const {
+  return std::any_of(moves_.begin(), moves_.end(),
+                     [](const Move &move) { return move.formula->uses_time(); });
+}
+
 PetscErrorCode Constraints::hold(double time, HeldDofs *held) {
   const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(mesh_->dm));
   PetscFunctionBeginUser;
-  if (time < 1) PetscCall(find_rigid_moves());
+  if (time < 1 && !is_in_time_) PetscCall(find_rigid_moves());
   *held = nothing_held(*mesh_);
   holder_.assign(mesh_->coordinates.size(), -1);
   for (std::size_t which = 0; which < options_.size(); ++which) {

@@ -23,8 +23,15 @@ class Constraints {
 
   /// What is held at a time, and where. A move that does not depend on t is what it says at t = 1;
   /// on the way there one that is rigid turns as a screw, and any other grows in proportion to t.
-  /// Collective. Errors: a malformed formula, constraints that disagree on a vertex.
+  /// In a scene in time it is what it says at all times. Collective. Errors: a malformed formula,
+  /// constraints that disagree on a vertex.
   PetscErrorCode hold(double time, HeldDofs *held);
+
+  /// Adds a warning for each constraint that does not begin where the body rests, for scenes in
+  /// time. Collective.
+  PetscErrorCode warn_of_jumps();
+  /// Whether any move depends on t.
+  [[nodiscard]] bool move_in_time() const;
 
   /// Counts and areas; the reactions are not known here.
   [[nodiscard]] const std::vector<ConstraintReport> &reports() const { return reports_; }
@@ -49,7 +56,7 @@ class Constraints {
   std::vector<ConstraintOptions> options_;
   std::vector<std::vector<PetscInt>> vertices_;  ///< local ones of each, ghosts included
   std::vector<Move> moves_;
-  bool knows_rigid_moves_ = false;
+  bool is_in_time_ = false, knows_rigid_moves_ = false;
   std::vector<ConstraintReport> reports_;
   std::vector<std::string> warnings_;
   std::vector<int> holder_;

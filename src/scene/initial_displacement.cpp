@@ -32,6 +32,7 @@ std::vector<double> evaluate(const std::string &text, const Mesh &mesh) {
 
 std::string choose_initial(const SceneOptions &options) {
   if (options.initial != "auto") return options.initial;
+  if (options.time.is_on) return "rest";
   bool incompressible = is_nearly_incompressible(options.material);
   for (const RegionOptions &region : options.regions) {
     incompressible = incompressible || is_nearly_incompressible(region.material);

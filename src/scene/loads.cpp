@@ -19,15 +19,15 @@ namespace {
 
 using Point = std::array<double, 3>;
 
-/// A formula of a load: scaled by t where it does not depend on it.
+/// A formula of a load: scaled by t, where that is no time, unless it depends on it.
 class Formula {
  public:
-  /// @param moves where the load is depends on t already
-  Formula(const Mesh &mesh, const std::string &text, std::string option, bool moves)
+  /// @param grows whether what does not depend on t is scaled by it
+  Formula(const Mesh &mesh, const std::string &text, std::string option, bool grows)
       : dimension_(static_cast<std::size_t>(mesh.dimension())),
         option_(std::move(option)),
         expression_(text, option_, box_of(mesh)),
-        is_scaled_(!moves && !expression_.uses_time()) {}
+        is_scaled_(grows && !expression_.uses_time()) {}
 
   /// Throws InputError.
   [[nodiscard]] Point vector(const Point &at, double time) const {
@@ -240,6 +240,7 @@ PetscErrorCode Loads::choose_facets_of(Chosen *load, double time) {
 PetscErrorCode Loads::add_load(Chosen &load, double time, std::vector<double> *forces) {
   const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(mesh_->dm));
   const std::string option = "-load_" + load.options.name + "_";
+  const bool grows = !load.moves && !options_.is_in_time;
   PetscFunctionBeginUser;
   if (load.moves) PetscCall(choose_facets_of(&load, time));
   const std::string complaint = complaint_of([&] {
@@ -251,11 +252,11 @@ PetscErrorCode Loads::add_load(Chosen &load, double time, std::vector<double> *f
       }
     };
     if (!load.options.traction.empty()) {
-      const Formula traction(*mesh_, load.options.traction, option + "traction", load.moves);
+      const Formula traction(*mesh_, load.options.traction, option + "traction", grows);
       on_each_point([&](const FacetPoint &point) { return traction.vector(point.position, time); });
     }
     if (!load.options.force.empty()) {
-      const Formula total(*mesh_, load.options.force, option + "force", load.moves);
+      const Formula total(*mesh_, load.options.force, option + "force", grows);
       on_each_point([&](const FacetPoint &point) {
         Point force = total.vector(point.position, time);
         for (double &component : force) component /= load.facets.area;
@@ -263,7 +264,7 @@ PetscErrorCode Loads::add_load(Chosen &load, double time, std::vector<double> *f
       });
     }
     if (!load.options.pressure.empty() && !load.options.follower) {
-      const Formula pressure(*mesh_, load.options.pressure, option + "pressure", load.moves);
+      const Formula pressure(*mesh_, load.options.pressure, option + "pressure", grows);
       on_each_point([&](const FacetPoint &point) {
         const double p = pressure.scalar(point.position, time);
         return Point{-p * point.normal[0], -p * point.normal[1], -p * point.normal[2]};
@@ -278,7 +279,7 @@ PetscErrorCode Loads::add_gravity(double time, std::vector<double> *forces) {
   const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(mesh_->dm));
   PetscFunctionBeginUser;
   const std::string complaint = complaint_of([&] {
-    const Formula gravity(*mesh_, options_.gravity, "-load_gravity", false);
+    const Formula gravity(*mesh_, options_.gravity, "-load_gravity", !options_.is_in_time);
     for (std::size_t c = 0; c < density_of_cell_.size(); ++c) {
       const PetscInt *cell = &mesh_->cells[static_cast<std::size_t>(mesh_->nodes_per_cell()) * c];
       add_weight(*mesh_, gravity, cell, density_of_cell_[c], time, *forces);

@@ -15,7 +15,8 @@ namespace trefoil {
 
 /// What pulls at a body: gravity, and loads on parts of its surface. Formulas that do not depend on
 /// t are scaled by it: at t = 1, where a scene is solved unless in steps, they are what they say;
-/// the stiffness of springs is not scaled.
+/// the stiffness of springs is not scaled. In time
+/// nothing is.
 class Loads {
  public:
   /// Chooses the facets at rest. Collective; `mesh` must outlive this. Errors, one sentence on all

@@ -68,7 +68,7 @@ PetscErrorCode print_choices(MPI_Comm comm, Scene *scene) {
                           report.vertices == 1 ? "vertex" : "vertices", size, report.area));
   }
   const std::vector<double> rest(scene->mesh.coordinates.size(), 0);
-  PetscCall(scene->loads.report(1, rest.data(), &loads));
+  PetscCall(scene->loads.report(scene->options.time.is_on ? 0 : 1, rest.data(), &loads));
   for (const LoadReport &report : loads) {
     const auto &force = report.resultant.force;
     PetscCall(PetscPrintf(comm, "%s: ", report.name.c_str()));
@@ -95,6 +95,7 @@ Scene::~Scene() {
 }
 
 PetscErrorCode build_scene(MPI_Comm comm, const SceneOptions &options, Scene *scene) {
+  const double first_time = options.time.is_on ? 0 : 1;
   HeldDofs held;
   std::vector<int> region_of_cell;
   PetscLogDouble begin = 0, loaded = 0, end = 0;
@@ -107,7 +108,8 @@ PetscErrorCode build_scene(MPI_Comm comm, const SceneOptions &options, Scene *sc
       &scene->mesh));
   PetscCall(PetscTime(&loaded));
   PetscCall(scene->constraints.choose(scene->mesh, options));
-  PetscCall(scene->constraints.hold(1, &held));
+  if (options.time.is_on) PetscCall(scene->constraints.warn_of_jumps());
+  PetscCall(scene->constraints.hold(first_time, &held));
   PetscCall(scene->discretization.set_up(scene->mesh, held));
   PetscCheck(scene->discretization.total_dofs() > 0, comm, PETSC_ERR_USER_INPUT,
              "the constraints hold every vertex; nothing is left to solve for");
@@ -120,11 +122,17 @@ PetscErrorCode build_scene(MPI_Comm comm, const SceneOptions &options, Scene *sc
   PetscCall(assign_regions(scene->mesh, options.regions, options.where_tolerance, &region_of_cell));
   scene->functional->add_term(make_elastic_term(options, scene->mesh, region_of_cell));
   PetscCall(add_loads(region_of_cell, scene));
-  PetscCall(check_rigid_body_modes(scene->mesh, held, scene->loads.supports()));
+  // In time a body that nothing holds has inertia.
+  if (!options.time.is_on) {
+    PetscCall(check_rigid_body_modes(scene->mesh, held, scene->loads.supports()));
+  } else {
+    scene->motion = std::make_unique<MovingBody>(*scene);
+    PetscCall(scene->motion->set_up(region_of_cell));
+  }
   PetscCall(scene->probes.find(scene->mesh, options.probes));
   scene->cells = std::make_unique<CellStates>(scene->mesh, options, std::move(region_of_cell));
   PetscCall(measure_regions(scene->mesh, options, *scene->cells, &scene->regions));
-  PetscCall(scene->functional->set_time(1));
+  PetscCall(scene->functional->set_time(first_time));
   PetscCall(print_choices(comm, scene));
   PetscCall(scene->discretization.create_vector(&scene->displacement));
   PetscCall(scene->discretization.create_matrix(&scene->hessian));

@@ -7,6 +7,7 @@
 #include "scene/cell_states.hpp"
 #include "scene/constraints.hpp"
 #include "scene/loads.hpp"
+#include "scene/moving_body.hpp"
 #include "scene/probes.hpp"
 #include "scene/scene_options.hpp"
 
@@ -22,7 +23,8 @@ struct Scene {
   Loads loads;
   Probes probes;
   std::unique_ptr<CellStates> cells;     ///< for output
-  std::vector<LoadReport> load_reports;  ///< at t = 1, on the body at rest
+  std::unique_ptr<MovingBody> motion;    ///< of a scene in time
+  std::vector<LoadReport> load_reports;  ///< at t = 1, in time at 0, on the body at rest
   std::vector<RegionReport> regions;
   std::vector<std::string> warnings;
   Mat hessian = nullptr;

@@ -155,6 +155,28 @@ std::vector<OptionRow> solve_rows(SceneOptions &options) {
   };
 }
 
+std::vector<OptionRow> time_rows(TimeOptions &time) {
+  return {
+      {"time_end", &time.end, "Steps in time instead, from 0 to here", "time", {}, essential},
+      {"time_step", &time.step, "Length of a step", "time", {}, essential},
+      {"time_step_min", &time.least_step,
+       "Steps that fail are halved down to here (a 1024th of -time_step)", "time"},
+      {"time_integrator", &time.integrator, "Scheme", "", {"backward_euler", "bdf2", "newmark"}},
+      {"time_beta", &time.beta, "Of newmark"},
+      {"time_gamma", &time.gamma, "Of newmark"},
+      {"time_velocity_tolerance", &time.velocity_tolerance,
+       "A step ends where the direction over its length is less; 0: off",
+       "the box's diagonal per time"},
+      {"time_mass",
+       &time.mass,
+       "Of linear cells: row sums are lumped",
+       "",
+       {"consistent", "lumped"}},
+      {"time_damping_mass", &time.damping_mass, "Damping alpha M v", "1 per time"},
+      {"initial_velocity", &time.initial_velocity, "In x y z xmin..zmax", "length per time"},
+  };
+}
+
 std::vector<OptionRow> probe_rows(ProbeOptions &probe) {
   return {{"probe_" + probe.name,
            &probe.place,
@@ -174,7 +196,8 @@ std::vector<OptionRow> output_rows(SceneOptions &options) {
        essential},
       {"output_fields", &options.output_fields, "Which, where not a good few", "",
        names_of_fields(), essential},
-      {"output_csv", &options.csv_file, "Table of the results, a line for each load step"},
+      {"output_every", &options.output_every, "Each so many states of a series, and the last"},
+      {"output_csv", &options.csv_file, "Table of the results, a line for each step"},
   };
 }
 
@@ -215,6 +238,7 @@ std::vector<OptionGroup> scene_option_groups() {
       {"Constraints", joined({{names_row("constraints", none)}, constraint_rows(constraint)})},
       {"Loads", joined({gravity_rows(options.loads), {names_row("loads", none)}, load_rows(load)})},
       {"Solve", solve_rows(options)},
+      {"Time", time_rows(options.time)},
       {"Output", joined({output_rows(options), {names_row("probes", none)}, probe_rows(probe)})},
   };
 }

@@ -93,6 +93,18 @@ PetscErrorCode read_loads(MPI_Comm comm, OptionReader &reader, LoadsOptions *loa
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode read_time(MPI_Comm comm, OptionReader &reader, TimeOptions *time) {
+  PetscFunctionBeginUser;
+  for (const OptionRow &row : time_rows(*time)) {
+    PetscBool given = PETSC_FALSE;
+    PetscCall(PetscOptionsHasName(nullptr, nullptr, ("-" + row.name).c_str(), &given));
+    time->is_on = time->is_on || given;
+    PetscCall(reader.read(row));
+  }
+  if (time->is_on) PetscCall(check_time(comm, *time));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /// Checked here and not only where a mesh is partitioned, which on one rank none is.
 PetscErrorCode check_partitioner(MPI_Comm comm, const std::string &name) {
   PetscErrorCode (*create)(PetscPartitioner) = nullptr;
@@ -182,6 +194,11 @@ PetscErrorCode check_values(MPI_Comm comm, const SceneOptions &options) {
              PETSC_ERR_USER_INPUT,
              "-where_tolerance is %g; it is a share of the box's diagonal, from 0 to 1",
              options.where_tolerance);
+  PetscCheck(options.output_every >= 1, comm, PETSC_ERR_USER_INPUT,
+             "-output_every is %" PetscInt_FMT "; give a whole number from 1 on",
+             options.output_every);
+  PetscCheck(options.output_every == 1 || has_series(options), comm, PETSC_ERR_USER_INPUT,
+             "-output_every is for steps: with one solve there is one state");
   PetscCall(check_start(comm, options));
   PetscCall(check_files(comm, options));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -196,6 +213,10 @@ PetscInt number_of_load_steps(const SceneOptions &options) {
   return error == std::errc{} && end == text.data() + text.size() ? count : 0;
 }
 
+bool has_series(const SceneOptions &options) {
+  return options.time.is_on || number_of_load_steps(options) != 1;
+}
+
 PetscErrorCode read_scene_options(MPI_Comm comm, SceneOptions *options) {
   OptionReader reader(comm);
   PetscFunctionBeginUser;
@@ -205,6 +226,8 @@ PetscErrorCode read_scene_options(MPI_Comm comm, SceneOptions *options) {
   PetscCall(read_constraints(comm, reader, options));
   PetscCall(read_loads(comm, reader, &options->loads));
   PetscCall(reader.read(solve_rows(*options)));
+  PetscCall(read_time(comm, reader, &options->time));
+  options->loads.is_in_time = options->time.is_on;
   PetscCall(reader.read(output_rows(*options)));
   PetscCall(read_probes(comm, reader, options));
   PetscCall(reader.read(solver_rows(*options)));

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "scene/material_options.hpp"
+#include "scene/time_options.hpp"
 
 namespace trefoil {
 
@@ -55,6 +56,7 @@ struct ProbeOptions {
 struct LoadsOptions {
   std::string gravity = {};  ///< formula with a value for each dimension: acceleration; empty: none
   std::vector<LoadOptions> loads = {};
+  bool is_in_time = false;  ///< t of the formulas is time: nothing is scaled by it
 };
 
 /// A scene as the user describes it, see scene_option_groups() for the names of the options.
@@ -73,13 +75,15 @@ struct SceneOptions {
   double first_load_step = 0.25;  ///< length of the first one, of `auto`
   double least_load_step = 1. / 1024;  ///< below which none is halved
   std::string initial = "auto";
-  std::string initial_displacement;      ///< expression, for initial `expression`
-  PetscInt initial_steps = 20;           ///< local/global steps of arap
+  std::string initial_displacement;  ///< expression, for initial `expression`
+  PetscInt initial_steps = 20;       ///< local/global steps of arap
+  TimeOptions time;
   std::string filter_space = "element";  ///< -snes_trefoil_space, which the element term reads
   std::string assembly = "split";        ///< or "hook": through the plugin's watch on the Mat
   bool check = false;                    ///< build the scene, say what it holds, solve nothing
   std::string output_file;
   std::vector<std::string> output_fields;  ///< empty: see default_fields()
+  PetscInt output_every = 1;               ///< of a series: each so many states, and the last
   std::string csv_file;                    ///< results as a table
   std::vector<ProbeOptions> probes;
   std::string record_file;  ///< -snes_trefoil_record; the program completes and writes it
@@ -92,6 +96,9 @@ PetscErrorCode read_scene_options(MPI_Comm comm, SceneOptions *options);
 
 /// How many equal steps the loads come in; 0: auto.
 PetscInt number_of_load_steps(const SceneOptions &options);
+
+/// Whether a scene has several states, one after the other.
+bool has_series(const SceneOptions &options);
 
 /// All options of a scene, with their defaults; those of its named parts as of a part called NAME.
 std::vector<OptionGroup> scene_option_groups();

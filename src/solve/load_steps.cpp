@@ -1,7 +1,5 @@
 #include "solve/load_steps.hpp"
 
-#include <nlohmann/json.hpp>
-
 #include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
@@ -89,55 +87,6 @@ PetscErrorCode LoadPath::go_back() {
     PetscCall(VecSet(scene_.displacement, 0));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-namespace {
-
-using Json = nlohmann::ordered_json;
-
-/// Appends a solve's history to that of the solves before.
-void append_history(const SolveRecord &solve, const Json &record, int linear_solves_before,
-                    Json &history) {
-  for (Json entry : record["history"]) {
-    entry["k"] = history.size();
-    entry["linear_solves"] = linear_solves_before + entry["linear_solves"].get<int>();
-    entry["load_step"] = solve.load_step;
-    if (solve.is_rejected) entry["rejected"] = true;
-    history.push_back(entry);
-  }
-}
-
-/// Adds to a solve's counts and times those of the solves before.
-void add_up(const Json &before, Json &record) {
-  for (const char *count : {"saddles_left", "verification_solves", "iterations", "linear_solves",
-                            "line_search_trials"}) {
-    record["result"][count] =
-        record["result"][count].get<int>() + before["result"][count].get<int>();
-  }
-  record["result"]["energy_start"] = before["result"]["energy_start"];
-  for (auto &[phase, seconds] : record["time"].items()) {
-    seconds = seconds.get<double>() + before["time"][phase].get<double>();
-  }
-}
-
-}  // namespace
-
-std::string join_records(const std::vector<SolveRecord> &records) {
-  if (records.size() == 1 && !records.front().is_rejected) return records.front().json;
-  Json joined, history = Json::array(), iterations = Json::array();
-  int linear_solves = 0;
-  for (const SolveRecord &solve : records) {
-    Json record = Json::parse(solve.json, nullptr, false);
-    if (!record.is_object()) return "";
-    append_history(solve, record, linear_solves, history);
-    if (!solve.is_rejected) iterations.push_back(record["result"]["iterations"]);
-    if (joined.is_object()) add_up(joined, record);
-    linear_solves = record["result"]["linear_solves"];
-    joined = record;
-  }
-  joined["result"]["load_step_iterations"] = iterations;
-  joined["history"] = history;
-  return joined.dump(1);
 }
 
 }  // namespace trefoil

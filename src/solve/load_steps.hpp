@@ -1,8 +1,5 @@
 #pragma once
 
-#include <string>
-#include <vector>
-
 #include "scene/scene.hpp"
 #include "solve/starting_guess.hpp"
 
@@ -46,19 +43,5 @@ class LoadPath {
   /// Harmonic extensions of the prescribed displacements: at this time, and at that of the stand.
   Vec spread_ = nullptr, spread_of_stand_ = nullptr;
 };
-
-/// One solve on the way, as the plugin recorded it.
-struct SolveRecord {
-  std::string json;
-  int load_step = 1;         ///< counted from 1
-  double t = 1;              ///< where it led
-  bool is_rejected = false;  ///< it failed, or its end was not taken
-};
-
-/// One record of several solves, one after the other, in the form of each: iterations, solves,
-/// trials, saddles and times added up, the histories in a row, whose entries get a `load_step` and
-/// whose linear solves go on (those of a solve that was rejected are marked `rejected`);
-/// `load_step_iterations` lists the iterations of each load step. Of a single one it is the record.
-std::string join_records(const std::vector<SolveRecord> &records);
 
 }  // namespace trefoil

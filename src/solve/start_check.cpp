@@ -51,8 +51,9 @@ PetscErrorCode check_start(const Scene &scene, double energy) {
              "loads");
   const bool at_once = scene.options.initial == "rest";
   const PetscInt steps = number_of_load_steps(scene.options);
-  const std::string in_steps = steps > 1 ? "take more -load_steps than " + std::to_string(steps)
-                                         : std::string("apply the displacements in -load_steps");
+  const std::string in_steps = scene.motion ? std::string("let them begin at 0, in t")
+                               : steps > 1  ? "take more -load_steps than " + std::to_string(steps)
+                                            : std::string("apply the displacements in -load_steps");
   SETERRQ(comm, PETSC_ERR_USER_INPUT,
           "the energy of the start is infinite: %s %lld elements, the first at rest position (%g, "
           "%g, %g), which the material does not allow; %s%s, or "

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <petscsys.h>
+
+#include <optional>
+#include <string>
+
+#include "time/integrator.hpp"
+
+namespace trefoil {
+
+/// Steps in time, as the user describes them. With any of these options a scene has inertia, and t
+/// in its formulas is time.
+struct TimeOptions {
+  bool is_on = false;  ///< whether any is given
+  std::optional<double> end, step, least_step;
+  std::string integrator = "backward_euler";
+  std::optional<double> beta, gamma;  ///< of newmark; 1/4 and 1/2
+  double velocity_tolerance = 1e-3;   ///< box diagonals per time; 0: off
+  std::string mass = "consistent";    ///< or "lumped"
+  double damping_mass = 0;            ///< alpha of the damping alpha M
+  std::string initial_velocity = {};  ///< formula with a value for each dimension; empty: none
+
+  /// Below which no step is halved.
+  [[nodiscard]] double shortest_step() const { return least_step.value_or(*step / 1024); }
+  [[nodiscard]] IntegratorOptions scheme() const;
+};
+
+/// Refuses, with one sentence on all ranks, what makes no steps. Collective.
+PetscErrorCode check_time(MPI_Comm comm, const TimeOptions &options);
+
+}  // namespace trefoil

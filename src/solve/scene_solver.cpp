@@ -1,0 +1,242 @@
+#include "solve/scene_solver.hpp"
+
+#include <array>
+#include <nlohmann/json.hpp>
+
+#include "scene/initial_displacement.hpp"
+#include "solve/solver_help.hpp"
+#include "scene/unknown_options.hpp"
+#include "support/petsc_compatibility.hpp"
+#include "trefoil.h"
+
+namespace trefoil {
+namespace {
+
+PetscErrorCode is_set(const char *option, bool *set) {
+  PetscBool found = PETSC_FALSE;
+  PetscFunctionBeginUser;
+  PetscCall(PetscOptionsHasName(nullptr, nullptr, option, &found));
+  *set = found == PETSC_TRUE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// A default for one of PETSc's own options.
+PetscErrorCode set_unless_given(const char *option, const char *value) {
+  bool given = false;
+  PetscFunctionBeginUser;
+  PetscCall(is_set(option, &given));
+  if (!given) PetscCall(PetscOptionsSetValue(nullptr, option, value));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// A direct solver for symmetric matrices: CHOLMOD on one rank, MUMPS on several, and MUMPS where
+/// the matrix may be indefinite, which it survives and CHOLMOD does not, unless the rule goes on
+/// from there. With a preconditioner of the user's, conjugate gradients.
+PetscErrorCode choose_linear_solver(SNES snes, KSP ksp) {
+  PC pc = nullptr;
+  PetscMPIInt ranks = 0;
+  PetscBool may_be_indefinite = PETSC_FALSE, retries = PETSC_FALSE;
+  bool preconditioner_set = false, multigrid_option_set = false;
+  PetscFunctionBeginUser;
+  PetscCall(KSPGetPC(ksp, &pc));
+  PetscCall(is_set("-pc_type", &preconditioner_set));
+  PetscCall(is_set("-pc_gamg_reuse_interpolation", &multigrid_option_set));
+  if (preconditioner_set) {
+    PetscCall(KSPSetType(ksp, KSPCG));
+    PetscCall(KSPSetTolerances(ksp, 1e-8, PETSC_DEFAULT, PETSC_DEFAULT, 2000));
+    // Reused coarse spaces of the last Jacobian make the second one look indefinite (PETSc 3.18).
+    if (!multigrid_option_set) {
+      std::array<char, 64> type{};
+      PetscCall(
+          PetscOptionsGetString(nullptr, nullptr, "-pc_type", type.data(), type.size(), nullptr));
+      if (std::string(type.data()) == PCGAMG) {
+        PetscCall(PetscOptionsSetValue(nullptr, "-pc_gamg_reuse_interpolation", "false"));
+      }
+    }
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCallMPI(MPI_Comm_size(PetscObjectComm(reinterpret_cast<PetscObject>(snes)), &ranks));
+  PetscCall(TrefoilSNESJacobianMayBeIndefinite(snes, &may_be_indefinite));
+  PetscCall(TrefoilSNESRetriesFactors(snes, &retries));
+  PetscCall(KSPSetType(ksp, KSPPREONLY));
+  PetscCall(PCSetType(pc, PCCHOLESKY));
+#if defined(PETSC_HAVE_SUITESPARSE)
+  if (ranks == 1 && (!may_be_indefinite || retries)) {
+    PetscCall(PCFactorSetMatSolverType(pc, MATSOLVERCHOLMOD));
+    // Its other factors exist for indefinite matrices as well. These tell whether a point is a
+    // minimum, and that it is none is an answer, not worth a warning.
+    PetscCall(set_unless_given("-mat_cholmod_factor", "SUPERNODAL"));
+    PetscCall(set_unless_given("-mat_cholmod_print", "0"));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+#endif
+#if defined(PETSC_HAVE_MUMPS)
+  PetscCall(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
+  // Negative pivots are counted, also those of the root, which several ranks would share.
+  if (may_be_indefinite) PetscCall(set_unless_given("-mat_mumps_icntl_13", "1"));
+  // Its own guess of the memory, 20 % more than the analysis says, is sometimes short of one
+  // number.
+  PetscCall(set_unless_given("-mat_mumps_icntl_14", "100"));
+#endif
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// The default linear solver, which depends on what the SNES was told; options have the last word.
+PetscErrorCode set_linear_solver(SNES snes) {
+  KSP ksp = nullptr;
+  PetscFunctionBeginUser;
+  PetscCall(SNESGetKSP(snes, &ksp));
+  PetscCall(choose_linear_solver(snes, ksp));
+  PetscCall(KSPSetFromOptions(ksp));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Steps in time: each starts where the last one ended, near its own end, and a direction that is
+/// small enough is followed all the same.
+PetscErrorCode set_time_defaults(SNES snes) {
+  PetscReal absolute = 0, relative = 0;
+  PetscInt iterations = 0, functions = 0;
+  PetscFunctionBeginUser;
+  // What a body has moved since it was at rest is no measure for a step.
+  PetscCall(SNESGetTolerances(snes, &absolute, &relative, nullptr, &iterations, &functions));
+  PetscCall(SNESSetTolerances(snes, absolute, relative, 0, iterations, functions));
+  PetscCall(TrefoilSNESSetFilter(snes, "on_demand"));
+  PetscCall(TrefoilSNESSetContinue(snes, PETSC_TRUE));
+  PetscCall(TrefoilSNESSetTakeLast(snes, PETSC_TRUE));
+  PetscCall(TrefoilSNESSetVerifyMinimum(snes, PETSC_FALSE));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode set_defaults(SNES snes, const SolveOutcome &outcome, double head_start) {
+  PetscReal absolute = 0, step = 0;
+  PetscInt iterations = 0, functions = 0;
+  PetscFunctionBeginUser;
+  PetscCall(SNESSetType(snes, SNESTREFOIL));
+  // The residual at the start is that of crushed elements: no measure for the one at the end.
+  PetscCall(SNESGetTolerances(snes, &absolute, nullptr, &step, &iterations, &functions));
+  PetscCall(SNESSetTolerances(snes, absolute, 0, step, iterations, functions));
+  PetscCall(set_program_defaults(snes));
+  const bool trust = outcome.guess.linear_solves > 0 || outcome.inverted_at_start == 0;
+  PetscCall(TrefoilSNESSetTrustStart(snes, trust ? PETSC_TRUE : PETSC_FALSE));
+  PetscCall(TrefoilSNESSetHeadStart(snes, head_start));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Refuses what PETSc would fail on late, or without a record.
+PetscErrorCode check_solver(SNES snes) {
+  const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(snes));
+  PetscBool keeps_record = PETSC_FALSE;
+  PetscInt iterations = 0;
+  SNESType type = nullptr;
+  PetscFunctionBeginUser;
+  PetscCall(SNESGetType(snes, &type));
+  PetscCall(PetscObjectTypeCompareAny(reinterpret_cast<PetscObject>(snes), &keeps_record,
+                                      SNESTREFOIL, SNESNEWTONLS, SNESNEWTONTR, ""));
+  PetscCheck(keeps_record, comm, PETSC_ERR_USER_INPUT,
+             "-snes_type %s cannot solve a scene; use trefoil, newtonls or newtontr", type);
+  PetscCall(SNESGetTolerances(snes, nullptr, nullptr, nullptr, &iterations, nullptr));
+  PetscCheck(iterations >= 0, comm, PETSC_ERR_USER_INPUT,
+             "-snes_max_it is %" PetscInt_FMT " and must not be negative", iterations);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+EnergyFunctional::Assembly assembly_of(const SceneOptions &options) {
+  if (options.assembly == "hook") return EnergyFunctional::Assembly::hook;
+  return options.assembly == "plain" ? EnergyFunctional::Assembly::plain
+                                     : EnergyFunctional::Assembly::split;
+}
+
+/// A monitor: when the first iteration has set up all solvers, what none of them has read is an
+/// error.
+PetscErrorCode refuse_unused_once(SNES snes, PetscInt iteration, PetscReal, void *) {
+  PetscFunctionBeginUser;
+  if (iteration == 1) {
+    PetscCall(refuse_unused_of_solver(PetscObjectComm(reinterpret_cast<PetscObject>(snes))));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// CHOLMOD raises an error where a matrix is not positive definite; to a user that is a solve that
+/// did not converge.
+PetscErrorCode solve(SNES snes, Vec x) {
+  PetscFunctionBeginUser;
+  const PetscErrorCode error = SNESSolve(snes, nullptr, x);
+  if (error == PETSC_ERR_MAT_CH_ZRPVT || error == PETSC_ERR_MAT_LU_ZRPVT) {
+    PetscCall(TrefoilSNESEndSolve(snes, SNES_DIVERGED_LINEAR_SOLVE,
+                                  "the linear solver met a matrix that is not positive definite"));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(error);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+}  // namespace
+
+SceneSolver::~SceneSolver() {
+  static_cast<void>(SNESDestroy(&snes_));  // an error has nowhere to go from here
+}
+
+PetscErrorCode SceneSolver::set_up(const SolveOutcome &outcome, double head_start) {
+  PetscFunctionBeginUser;
+  PetscCall(SNESCreate(PetscObjectComm(reinterpret_cast<PetscObject>(scene_.mesh.dm)), &snes_));
+  PetscCall(scene_.functional->attach(snes_, scene_.hessian, assembly_of(scene_.options)));
+  PetscCall(set_defaults(snes_, outcome, head_start));
+  if (scene_.motion) PetscCall(set_time_defaults(snes_));
+  PetscCall(SNESSetFromOptions(snes_));
+  PetscCall(check_solver(snes_));
+  PetscCall(TrefoilSNESSetFromOptions(snes_));     // also where another type does not read them
+  PetscCall(TrefoilSNESSetRecordFile(snes_, ""));  // the program writes it, completed
+  PetscCall(set_linear_solver(snes_));
+  PetscCall(SNESMonitorSet(snes_, refuse_unused_once, nullptr, nullptr));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode SceneSolver::set_direction_tolerance(double tolerance) {
+  bool given = false;
+  PetscFunctionBeginUser;
+  PetscCall(is_set("-snes_trefoil_direction_tolerance", &given));
+  if (!given) PetscCall(TrefoilSNESSetDirectionTolerance(snes_, tolerance));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode SceneSolver::solve(Attempt *attempt) {
+  const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(snes_));
+  const char *record = nullptr;
+  LinearSolver linear;
+  SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
+  PetscInt linear_iterations = 0;
+  PetscFunctionBeginUser;
+  PetscCall(trefoil::solve(snes_, scene_.displacement));
+  PetscCall(SNESGetLinearSolveIterations(snes_, &linear_iterations));
+  // There may have been no second iteration.
+  if (linear_iterations > 0) PetscCall(refuse_unused_of_solver(comm));
+  PetscCall(SNESGetConvergedReason(snes_, &reason));
+  PetscCall(TrefoilSNESGetRecord(snes_, &record));
+  PetscCall(describe_linear_solver(snes_, &linear));
+  attempt->linear_solver = linear.text;
+  attempt->converged = reason > 0;
+  attempt->record = record;
+  const auto json = nlohmann::json::parse(attempt->record, nullptr, false);
+  PetscCheck(json.is_object(), comm, PETSC_ERR_PLIB, "the solver left no record");
+  attempt->iterations = json["result"]["iterations"];
+  attempt->reason = json["result"]["reason"];
+  PetscCall(scene_.functional->count_inverted(scene_.displacement, &attempt->inverted));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode make_start(Scene &scene, SolveOutcome *outcome) {
+  const std::string initial = choose_initial(scene.options);
+  PetscFunctionBeginUser;
+  if (initial == "expression") {
+    PetscCall(set_initial_displacement(scene.options.initial_displacement, scene.discretization,
+                                       scene.displacement));
+  } else if (initial != "rest") {
+    PetscCall(spread_displacements(*scene.functional, scene.discretization, scene.hessian,
+                                   initial == "arap" ? scene.options.initial_steps : 0,
+                                   scene.displacement, &outcome->guess));
+  }
+  PetscCall(scene.functional->count_inverted(scene.displacement, &outcome->inverted_at_start));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+}  // namespace trefoil

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <petscsnes.h>
+
+#include <string>
+
+#include "solve/solve.hpp"
+
+namespace trefoil {
+
+/// How one solve on the way went.
+struct Attempt {
+  bool converged = false;
+  PetscInt iterations = 0;
+  PetscInt64 inverted = 0;  ///< elements, at its end
+  std::string record, reason, linear_solver;
+};
+
+/// The state that a scene's way starts from, as -initial says. Collective.
+PetscErrorCode make_start(Scene &scene, SolveOutcome *outcome);
+
+/// The SNES of a scene: its energy, the program's defaults, the user's options. One can solve again
+/// and again: matrices, what a linear solver knows of their pattern and the rule's weight are kept.
+class SceneSolver {
+ public:
+  explicit SceneSolver(Scene &scene) : scene_(scene) {}
+  SceneSolver(const SceneSolver &) = delete;
+  SceneSolver &operator=(const SceneSolver &) = delete;
+  ~SceneSolver();
+
+  /// Collective; once. @param head_start seconds that were spent before
+  PetscErrorCode set_up(const SolveOutcome &outcome, double head_start);
+
+  /// Ends solves where no entry of the direction is larger, unless the user's options say where.
+  /// Collective.
+  PetscErrorCode set_direction_tolerance(double tolerance);
+
+  /// Says what will solve its linear systems. Collective.
+  PetscErrorCode expect(LinearSolver *solver) {
+    return expect_linear_solver(snes_, scene_.hessian, solver);
+  }
+
+  /// Solves from the scene's displacement on, where the energy must be finite. Collective.
+  PetscErrorCode solve(Attempt *attempt);
+
+ private:
+  Scene &scene_;
+  SNES snes_ = nullptr;
+};
+
+}  // namespace trefoil

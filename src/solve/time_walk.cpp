@@ -1,0 +1,150 @@
+#include "solve/time_walk.hpp"
+
+#include <cmath>
+#include <sstream>
+
+#include "solve/run_record.hpp"
+#include "solve/scene_solver.hpp"
+#include "solve/start_check.hpp"
+#include "solve/time_steps.hpp"
+#include "support/petsc_compatibility.hpp"
+
+namespace trefoil {
+namespace {
+
+class TimeWalk {
+ public:
+  TimeWalk(Scene &scene, const StateObserver &observe, SolveOutcome *outcome)
+      : scene_(scene),
+        observe_(observe),
+        outcome_(outcome),
+        comm_(PetscObjectComm(reinterpret_cast<PetscObject>(scene.mesh.dm))),
+        options_(scene.options.time),
+        steps_(*options_.end, *options_.step, options_.shortest_step()),
+        solver_(scene) {}
+
+  PetscErrorCode go();
+
+ private:
+  PetscErrorCode start();
+  PetscErrorCode set_tolerance(double length);
+  PetscErrorCode say_step() const;
+  PetscErrorCode take_step(Attempt *attempt);
+  PetscErrorCode reject(const Attempt &attempt, bool *goes_on);
+
+  Scene &scene_;
+  const StateObserver &observe_;
+  SolveOutcome *outcome_;
+  MPI_Comm comm_;
+  const TimeOptions &options_;
+  TimeSteps steps_;
+  SceneSolver solver_;
+  RunRecord record_{"time_step"};
+  double tolerated_length_ = 0;  ///< of the step that the solver's tolerance is for
+};
+
+PetscErrorCode TimeWalk::start() {
+  EnergySums sums;
+  PetscFunctionBeginUser;
+  PetscCall(scene_.motion->hold_start());
+  PetscCall(make_start(scene_, outcome_));
+  PetscCall(solver_.set_up(*outcome_, outcome_->guess.seconds));
+  PetscCall(scene_.motion->start());
+  PetscCall(scene_.functional->energy(scene_.displacement, &sums));
+  PetscCall(check_start(scene_, sums.energy));
+  PetscCall(scene_.motion->accelerate());
+  PetscCall(observe_(0, 0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// The velocity tolerance is one on directions, for a step of this length.
+PetscErrorCode TimeWalk::set_tolerance(double length) {
+  const double velocity = options_.velocity_tolerance * box_of(scene_.mesh).diagonal();
+  PetscFunctionBeginUser;
+  if (length == tolerated_length_) PetscFunctionReturn(PETSC_SUCCESS);
+  if (tolerated_length_ == 0 && velocity > 0) {
+    std::ostringstream text;
+    text << "a step in time ends where the direction over its length is below " << velocity
+         << " (-time_velocity_tolerance, " << options_.velocity_tolerance
+         << " of the box's diagonal per time)";
+    PetscCall(PetscPrintf(comm_, "%s\n", text.str().c_str()));
+  }
+  tolerated_length_ = length;
+  PetscCall(solver_.set_direction_tolerance(velocity * length));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode TimeWalk::say_step() const {
+  std::ostringstream text;
+  PetscFunctionBeginUser;
+  text << "time step " << steps_.accepted() + 1 << ", t = " << steps_.next();
+  if (steps_.length() < *options_.step) text << ", of length " << steps_.length();
+  PetscCall(PetscPrintf(comm_, "%s\n", text.str().c_str()));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode TimeWalk::take_step(Attempt *attempt) {
+  EnergySums sums;
+  PetscFunctionBeginUser;
+  PetscCall(set_tolerance(steps_.length()));
+  PetscCall(say_step());
+  PetscCall(scene_.motion->begin_step(steps_.length(), steps_.next()));
+  PetscCall(scene_.functional->energy(scene_.displacement, &sums));
+  if (!std::isfinite(sums.energy)) {
+    attempt->reason = "what is held moves so far that its start has infinite energy";
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(solver_.solve(attempt));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Back to the last state that stands. @param goes_on whether a shorter step is left
+PetscErrorCode TimeWalk::reject(const Attempt &attempt, bool *goes_on) {
+  const double from = steps_.time(), to = steps_.next();
+  std::ostringstream text;
+  PetscFunctionBeginUser;
+  *goes_on = steps_.halve();
+  PetscCall(scene_.motion->go_back());
+  if (*goes_on) {
+    text << "the step to t = " << to << " is halved: " << attempt.reason;
+    PetscCall(PetscPrintf(comm_, "%s\n", text.str().c_str()));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  text << "the step in time from t = " << from << " to " << to << " failed, and -time_step_min "
+       << options_.shortest_step() << " allows none of half its length: " << attempt.reason;
+  outcome_->failure = text.str();
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode TimeWalk::go() {
+  bool goes_on = true;
+  PetscFunctionBeginUser;
+  PetscCall(start());
+  while (!steps_.is_done() && goes_on) {
+    Attempt attempt;
+    PetscCall(take_step(&attempt));
+    if (!attempt.record.empty()) outcome_->linear_solver = attempt.linear_solver;
+    record_.add(attempt.record, steps_.accepted() + 1, !attempt.converged);
+    if (!attempt.converged) {
+      PetscCall(reject(attempt, &goes_on));
+      continue;
+    }
+    PetscCall(scene_.motion->accept(steps_.next()));
+    steps_.accept();
+    PetscCall(observe_(steps_.time(), attempt.iterations));
+  }
+  outcome_->converged = steps_.is_done();
+  outcome_->time = steps_.time();
+  outcome_->plugin_record = record_.text();
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+}  // namespace
+
+PetscErrorCode walk_in_time(Scene &scene, const StateObserver &observe, SolveOutcome *outcome) {
+  PetscFunctionBeginUser;
+  PetscCall(TimeWalk(scene, observe, outcome).go());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+}  // namespace trefoil
