@@ -24,8 +24,8 @@ PetscErrorCode end_assembly(Mat matrix) {
 }  // namespace
 
 HessianAssembler::~HessianAssembler() {
-  for (auto &[term, matrix] : constants_) {
-    static_cast<void>(MatDestroy(&matrix));  // errors have nowhere to go from here
+  for (Constant &constant : constants_) {
+    static_cast<void>(MatDestroy(&constant.matrix));  // errors have nowhere to go from here
   }
   for (Mat &matrix : cells_) static_cast<void>(MatDestroy(&matrix));
 }
@@ -144,26 +144,31 @@ PetscErrorCode HessianAssembler::assemble_one_by_one(const double *u, Mat H, Mat
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// Adds the constant matrices, each made when it is first needed.
+/// Adds the constant matrices, each made when it is first needed, and anew when it has changed.
 /// @param H with the pattern of the cells
 PetscErrorCode HessianAssembler::add_constants(Mat H) {
   PetscFunctionBeginUser;
   for (const auto &term : terms_) {
     if (term->hessian_kind() != HessianKind::constant) continue;
     auto found = std::find_if(constants_.begin(), constants_.end(),
-                              [&](const auto &pair) { return pair.first == term.get(); });
-    if (found == constants_.end()) {
-      TrefoilSplitStatistics ignored{};
+                              [&](const Constant &made) { return made.term == term.get(); });
+    const bool is_new = found == constants_.end();
+    if (is_new) {
       Mat matrix = nullptr;
       PetscCall(MatDuplicate(H, MAT_DO_NOT_COPY_VALUES, &matrix));
-      found = constants_.insert(constants_.end(), {term.get(), matrix});
-      StencilAssembler assembler(discretization_, matrix, nullptr, &ignored);
+      found = constants_.insert(constants_.end(), {term.get(), matrix, 0});
+    }
+    if (is_new || found->version != term->hessian_version()) {
+      TrefoilSplitStatistics ignored{};
+      if (!is_new) PetscCall(MatZeroEntries(found->matrix));
+      found->version = term->hessian_version();
+      StencilAssembler assembler(discretization_, found->matrix, nullptr, &ignored);
       assembler.set_filtering(false);
       PetscCall(term->add_hessian(nullptr, assembler));
       PetscCall(assembler.flush());
-      PetscCall(end_assembly(matrix));
+      PetscCall(end_assembly(found->matrix));
     }
-    PetscCall(MatAXPY(H, term->hessian_scale(), found->second, SAME_NONZERO_PATTERN));
+    PetscCall(MatAXPY(H, term->hessian_scale(), found->matrix, SAME_NONZERO_PATTERN));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -77,7 +77,12 @@ class HessianAssembler {
   const Terms &terms_;
   bool one_by_one_ = false;
   std::shared_ptr<PackedAssembler> packed_ = std::make_shared<PackedAssembler>();
-  std::vector<std::pair<const Term *, Mat>> constants_;
+  struct Constant {
+    const Term *term;
+    Mat matrix;
+    int version;
+  };
+  std::vector<Constant> constants_;
   bool has_pairs_ = false;             ///< H has places for pairs of vertices without a common cell
   Mat cells_[2] = {nullptr, nullptr};  ///< the cells' part of H and N then
 };

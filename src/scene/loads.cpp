@@ -172,8 +172,9 @@ bool Loads::any_follows() const {
 }
 
 std::unique_ptr<PressureTerm> Loads::make_pressure(const Chosen &load) const {
-  const auto formula = std::make_shared<Formula>(
-      *mesh_, load.options.pressure, "-load_" + load.options.name + "_pressure", load.moves);
+  const auto formula = std::make_shared<Formula>(*mesh_, load.options.pressure,
+                                                 "-load_" + load.options.name + "_pressure",
+                                                 !load.moves && !options_.is_in_time);
   const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(mesh_->dm));
   return std::make_unique<PressureTerm>(
       *mesh_, load.facets.facets, [formula, comm](double time, double *pressure) {
@@ -187,8 +188,8 @@ std::unique_ptr<PressureTerm> Loads::make_pressure(const Chosen &load) const {
 
 std::unique_ptr<Term> Loads::make_springs(const Chosen &load) const {
   const std::string option = "-load_" + load.options.name + "_spring";
-  const bool grows_not = true;
-  const auto formula = std::make_shared<Formula>(*mesh_, load.options.spring, option, grows_not);
+  const bool grows = false;
+  const auto formula = std::make_shared<Formula>(*mesh_, load.options.spring, option, grows);
   return std::make_unique<FoundationTerm>(
       *mesh_, load.facets.facets,
       load.options.spring_normal ? FoundationTerm::Along::normal

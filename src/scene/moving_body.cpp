@@ -11,6 +11,7 @@
 #include "scene/scene.hpp"
 #include "support/collective_error.hpp"
 #include "support/petsc_compatibility.hpp"
+#include "term/damping_term.hpp"
 #include "term/inertia_term.hpp"
 #include "trefoil/input_error.hpp"
 
@@ -86,6 +87,10 @@ PetscErrorCode MovingBody::set_up(const std::vector<int> &region_of_cell) {
   mass_ = std::make_shared<MassMatrix>(scene_.mesh, std::move(density_of_cell), kind);
   scene_.functional->add_term(
       std::make_unique<InertiaTerm>(mass_, cells->elements(), options.time.damping_mass));
+  if (options.time.damping_stiffness > 0) {
+    scene_.functional->add_term(std::make_unique<DampingTerm>(
+        *cells, scene_.mesh.coordinates.size(), options.time.damping_stiffness));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -175,6 +180,7 @@ PetscErrorCode MovingBody::start() {
     if (held_at_start_.held[k]) state.a[k] = held_at_start_.at_end.a[k];
   }
   integrator_.start(0, std::move(state));
+  PetscCall(scene_.functional->accept_step(scene_.displacement));
   PetscCall(balance());
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -157,8 +157,13 @@ std::vector<OptionRow> solve_rows(SceneOptions &options) {
 
 std::vector<OptionRow> time_rows(TimeOptions &time) {
   return {
-      {"time_end", &time.end, "Steps in time instead, from 0 to here", "time", {}, essential},
-      {"time_step", &time.step, "Length of a step", "time", {}, essential},
+      {"time_end",
+       &time.end,
+       "Instead: steps in time, up to here, of -time_step",
+       "time",
+       {},
+       essential},
+      {"time_step", &time.step, "Length of a step", "time"},
       {"time_step_min", &time.least_step,
        "Steps that fail are halved down to here (a 1024th of -time_step)", "time"},
       {"time_integrator", &time.integrator, "Scheme", "", {"backward_euler", "bdf2", "newmark"}},
@@ -172,7 +177,9 @@ std::vector<OptionRow> time_rows(TimeOptions &time) {
        "Of linear cells: row sums are lumped",
        "",
        {"consistent", "lumped"}},
-      {"time_damping_mass", &time.damping_mass, "Damping alpha M v", "1 per time"},
+      {"time_damping_mass", &time.damping_mass, "Rayleigh damping, times the mass", "1 per time"},
+      {"time_damping_stiffness", &time.damping_stiffness,
+       "Rayleigh damping, times the clamped stiffness at the start of a step", "time"},
       {"initial_velocity", &time.initial_velocity, "In x y z xmin..zmax", "length per time"},
   };
 }
@@ -237,8 +244,7 @@ std::vector<OptionGroup> scene_option_groups() {
        joined({{names_row("regions", none)}, region_rows(region), of_region})},
       {"Constraints", joined({{names_row("constraints", none)}, constraint_rows(constraint)})},
       {"Loads", joined({gravity_rows(options.loads), {names_row("loads", none)}, load_rows(load)})},
-      {"Solve", solve_rows(options)},
-      {"Time", time_rows(options.time)},
+      {"Solve", joined({solve_rows(options), time_rows(options.time)})},
       {"Output", joined({output_rows(options), {names_row("probes", none)}, probe_rows(probe)})},
   };
 }

@@ -60,8 +60,10 @@ PetscErrorCode check_time(MPI_Comm comm, const TimeOptions &options) {
              options.shortest_step(), *options.step);
   PetscCheck(options.velocity_tolerance >= 0, comm, PETSC_ERR_USER_INPUT,
              "-time_velocity_tolerance is %g and must not be negative", options.velocity_tolerance);
-  PetscCheck(options.damping_mass >= 0, comm, PETSC_ERR_USER_INPUT,
-             "-time_damping_mass is %g and must not be negative", options.damping_mass);
+  PetscCheck(options.damping_mass >= 0 && options.damping_stiffness >= 0, comm,
+             PETSC_ERR_USER_INPUT,
+             "-time_damping_mass (%g) and -time_damping_stiffness (%g) must not be negative",
+             options.damping_mass, options.damping_stiffness);
   PetscCall(check_scheme(comm, options));
   PetscCall(refuse_load_steps(comm));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -18,7 +18,8 @@ struct TimeOptions {
   std::optional<double> beta, gamma;  ///< of newmark; 1/4 and 1/2
   double velocity_tolerance = 1e-3;   ///< box diagonals per time; 0: off
   std::string mass = "consistent";    ///< or "lumped"
-  double damping_mass = 0;            ///< alpha of the damping alpha M
+  double damping_mass = 0;            ///< alpha of Rayleigh's alpha M + beta K
+  double damping_stiffness = 0;       ///< beta
   std::string initial_velocity = {};  ///< formula with a value for each dimension; empty: none
 
   /// Below which no step is halved.

@@ -4,8 +4,8 @@
 #include <nlohmann/json.hpp>
 
 #include "scene/initial_displacement.hpp"
-#include "solve/solver_help.hpp"
 #include "scene/unknown_options.hpp"
+#include "solve/solver_help.hpp"
 #include "support/petsc_compatibility.hpp"
 #include "trefoil.h"
 

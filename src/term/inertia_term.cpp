@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "support/petsc_compatibility.hpp"
+#include "term/quadratic_changes.hpp"
 
 namespace trefoil {
 namespace {
@@ -157,31 +158,14 @@ PetscErrorCode InertiaTerm::add_energy(const double *u, EnergySums *sums) const 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// It is a quadratic form: one product with M for each direction is enough for all points.
 PetscErrorCode InertiaTerm::add_energy_changes(const double *u, std::size_t size, int directions,
                                                const double *const *d, int points,
                                                const double *coefficients, double *changes) const {
-  std::vector<double> w(size), slope(static_cast<std::size_t>(directions)),
-      curvature(slope.size() * slope.size());
+  std::vector<double> w(size);
   PetscFunctionBeginUser;
   for (std::size_t k = 0; k < size; ++k) w[k] = u[k] - target_[k];
-  for (std::size_t m = 0; m < slope.size(); ++m) {
-    const std::vector<double> direction(d[m], d[m] + size);
-    const std::vector<double> Md = product(stiffness_, direction);
-    slope[m] = dot(w, Md);
-    for (std::size_t n = 0; n < slope.size(); ++n) {
-      curvature[slope.size() * m + n] = std::inner_product(Md.begin(), Md.end(), d[n], 0.);
-    }
-  }
-  for (int p = 0; p < points; ++p) {
-    const double *c = coefficients + directions * p;
-    for (std::size_t m = 0; m < slope.size(); ++m) {
-      changes[p] += c[m] * slope[m];
-      for (std::size_t n = 0; n < slope.size(); ++n) {
-        changes[p] += 0.5 * c[m] * c[n] * curvature[slope.size() * m + n];
-      }
-    }
-  }
+  add_quadratic_changes([this](const std::vector<double> &x) { return product(stiffness_, x); },
+                        product(stiffness_, w), directions, d, points, coefficients, changes);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -34,7 +34,7 @@ struct StepState {
 /// How a term's Hessian comes about, and so the path by which it is assembled.
 enum class HessianKind {
   none,      ///< it is zero: the term is linear in u
-  constant,  ///< hessian_scale() times a matrix that depends on nothing, made once
+  constant,  ///< hessian_scale() times a matrix that depends on nothing in a solve, made once
   packed,    ///< of elements in packs, see batch()
   stencils   ///< of dense matrices, one after the other
 };
@@ -73,6 +73,8 @@ class Term {
   /// The elements of a `packed` Hessian.
   [[nodiscard]] virtual const PackedElements *batch() const { return nullptr; }
   [[nodiscard]] virtual double hessian_scale() const { return 1; }
+  /// Of a `constant` matrix: another number than before where it is another matrix.
+  [[nodiscard]] virtual int hessian_version() const { return 0; }
   [[nodiscard]] virtual FilterWeight filter_weight() const { return FilterWeight::rule; }
 
   /// Whether the filter of the cells' elements has to see this term: an element of stiffness K and
