@@ -51,7 +51,7 @@ std::vector<Option> table_of(SolverOptions &options) {
   StopOptions &stop = options.stop;
   return {
       {"snes_trefoil_filter", "Filter of the element Hessians: " + join(rule_names()),
-       Choice{rule_names(), &options.filter, "filter"}},
+       NamedChoice{rule_names(), &options.filter, "filter"}},
       {"snes_trefoil_rho_tolerance",
        "adaptive: clamp while |rho - 1| is below this (dimensionless)",
        Number{&options.rule.rho_tolerance, is_not_negative, not_negative}, nullptr, without_rho},
@@ -65,7 +65,7 @@ std::vector<Option> table_of(SolverOptions &options) {
       {"snes_trefoil_space",
        "What is filtered: element, the element's Hessian; deformation, dP/dF at its quadrature "
        "points",
-       Choice{names_of(TrefoilSpaces), &options.space, "space"}},
+       NamedChoice{names_of(TrefoilSpaces), &options.space, "space"}},
       {"snes_trefoil_fields", "Fields to filter, by name or number, separated by commas",
        &options.fields},
       {"snes_trefoil_strict",
@@ -75,11 +75,11 @@ std::vector<Option> table_of(SolverOptions &options) {
       {"snes_trefoil_search",
        "Search: armijo, along the direction; subspace, in the plane of it and the previous step, "
        "with Shamanskii steps",
-       Choice{names_of(TrefoilSearches), &search.kind, "search"}},
+       NamedChoice{names_of(TrefoilSearches), &search.kind, "search"}},
       {"snes_trefoil_proxy",
        "Matrix P of the direction -P^-1 g: hessian, the filtered one; mass, as the host gives it; "
        "identity, gradient descent",
-       Choice{names_of(TrefoilProxies), &search.proxy, "proxy"}},
+       NamedChoice{names_of(TrefoilProxies), &search.proxy, "proxy"}},
       {"snes_trefoil_continue",
        "Filter and search go on from the end of the last solve of the same SNES", &search.goes_on},
       {"snes_trefoil_corrections",
@@ -121,14 +121,14 @@ std::vector<Option> table_of(SolverOptions &options) {
   };
 }
 
-std::string name_in(const Choice &choice) {
+std::string name_in(const NamedChoice &choice) {
   if (auto *search = std::get_if<TrefoilSearch *>(&choice.value)) return TrefoilSearches[**search];
   if (auto *space = std::get_if<TrefoilSpace *>(&choice.value)) return TrefoilSpaces[**space];
   if (auto *proxy = std::get_if<TrefoilProxy *>(&choice.value)) return TrefoilProxies[**proxy];
   return *std::get<std::string *>(choice.value);
 }
 
-void choose(const Choice &choice, std::size_t i) {
+void choose(const NamedChoice &choice, std::size_t i) {
   if (auto *name = std::get_if<std::string *>(&choice.value)) **name = choice.names[i];
   if (auto *search = std::get_if<TrefoilSearch *>(&choice.value)) {
     **search = static_cast<TrefoilSearch>(i);
@@ -145,7 +145,7 @@ std::string text_of(const Option &option) {
   std::ostringstream text;
   if (auto *number = std::get_if<Number>(&option.value)) text << *number->value;
   if (auto *whole = std::get_if<WholeNumber>(&option.value)) text << *whole->value;
-  if (auto *choice = std::get_if<Choice>(&option.value)) text << name_in(*choice);
+  if (auto *choice = std::get_if<NamedChoice>(&option.value)) text << name_in(*choice);
   if (auto *flag = std::get_if<bool *>(&option.value)) text << (**flag ? "true" : "false");
   if (auto *string = std::get_if<std::string *>(&option.value)) text << **string;
   return text.str();

@@ -20,7 +20,7 @@ struct WholeNumber {
   const char *condition;
 };
 /// One of several names.
-struct Choice {
+struct NamedChoice {
   std::vector<std::string> names;
   std::variant<std::string *, TrefoilSearch *, TrefoilSpace *, TrefoilProxy *> value;
   const char *noun;
@@ -29,7 +29,7 @@ struct Choice {
 struct Option {
   const char *name;  ///< behind the SNES's prefix
   std::string help;
-  std::variant<Number, WholeNumber, Choice, bool *, std::string *> value;
+  std::variant<Number, WholeNumber, NamedChoice, bool *, std::string *> value;
   bool *given = nullptr;  ///< set where the user gives it
   /// With what the option has no effect, as the options are now; null: it has one.
   const char *(*idle)(const SolverOptions &options) = nullptr;
@@ -40,9 +40,9 @@ struct Option {
 std::vector<Option> table_of(SolverOptions &options);
 
 /// The name that a choice has now.
-std::string name_in(const Choice &choice);
+std::string name_in(const NamedChoice &choice);
 /// Makes the i-th name the choice.
-void choose(const Choice &choice, std::size_t i);
+void choose(const NamedChoice &choice, std::size_t i);
 /// The present value as one would write it.
 std::string text_of(const Option &option);
 

@@ -56,7 +56,7 @@ PetscErrorCode refuse_misspelt(const Source &source, const std::vector<Option> &
 }
 
 /// PETSc's own sentence about a name that is no choice does not list the choices.
-PetscErrorCode check_choice(const Source &source, const Option &option, const Choice &choice,
+PetscErrorCode check_choice(const Source &source, const Option &option, const NamedChoice &choice,
                             const std::string &name) {
   PetscFunctionBeginUser;
   PetscCheck(std::find(choice.names.begin(), choice.names.end(), name) != choice.names.end(),
@@ -67,7 +67,7 @@ PetscErrorCode check_choice(const Source &source, const Option &option, const Ch
 }
 
 PetscErrorCode read_choice(TrefoilOptionItems PetscOptionsObject, const Source &source,
-                           const Option &option, const Choice &choice, PetscBool *found) {
+                           const Option &option, const NamedChoice &choice, PetscBool *found) {
   std::array<char, PETSC_MAX_PATH_LEN> written{};
   std::vector<const char *> list;
   PetscInt chosen = 0;
@@ -106,7 +106,7 @@ PetscErrorCode read_option(TrefoilOptionItems PetscOptionsObject, const Source &
   const char *name = flag.c_str(), *help = option.help.c_str();
   PetscBool found = PETSC_FALSE;
   PetscFunctionBeginUser;
-  if (auto *choice = std::get_if<Choice>(&option.value)) {
+  if (auto *choice = std::get_if<NamedChoice>(&option.value)) {
     PetscCall(read_choice(PetscOptionsObject, source, option, *choice, &found));
   } else if (auto *whole = std::get_if<WholeNumber>(&option.value)) {
     PetscCall(read_whole_number(PetscOptionsObject, source, option, *whole, &found));
@@ -155,7 +155,7 @@ PetscErrorCode check_options(SNES snes, SolverOptions &options) {
     } else if (auto *whole = std::get_if<WholeNumber>(&option.value)) {
       PetscCheck(whole->makes_sense(*whole->value), source.comm, PETSC_ERR_USER_INPUT,
                  "%s is %d and %s", name.c_str(), *whole->value, whole->condition);
-    } else if (auto *choice = std::get_if<Choice>(&option.value)) {
+    } else if (auto *choice = std::get_if<NamedChoice>(&option.value)) {
       PetscCall(check_choice(source, option, *choice, name_in(*choice)));
     }
   }
