@@ -157,6 +157,8 @@ PetscErrorCode TrefoilSNESSetConstantWeight(SNES snes, PetscReal weight);
 PetscErrorCode TrefoilSNESSetSearch(SNES snes, TrefoilSearch search);
 PetscErrorCode TrefoilSNESSetTrustStart(SNES snes, PetscBool trust);
 PetscErrorCode TrefoilSNESSetProxy(SNES snes, TrefoilProxy proxy);
+/* Most Shamanskii steps an iteration; -1: 8 where the linear solver is direct, else none. */
+PetscErrorCode TrefoilSNESSetCorrections(SNES snes, PetscInt most);
 /* For solves that follow each other, as in time: the rule goes on from the last one's last step. */
 PetscErrorCode TrefoilSNESSetContinue(SNES snes, PetscBool goes_on);
 /* Tolerances on the Newton decrement, in energy units, and on the decrement over the energy scale;

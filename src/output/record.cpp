@@ -114,7 +114,6 @@ void complete_times(Json &time, const ProgramTimes &times) {
 Json make_record(const RunReport &report) {
   Json record = Json::parse(report.plugin_record, nullptr, false);
   if (!record.is_object()) return record;
-  record["solver"]["linear"] = report.linear_solver;
   record["mesh"] = mesh_json(report.mesh);
   record["constraints"] = constraints_json(report);
   record["loads"] = loads_json(report);
@@ -123,6 +122,8 @@ Json make_record(const RunReport &report) {
   for (const StateReport &state : report.states) {
     record["steps"].push_back(state_json(report, state));
   }
+  record["solver"]["linear"] = report.linear_solver;
+  record["solver"]["linear_reason"] = report.linear_solver_reason;
   Json &result = record["result"];
   const StateReport &end = report.end;
   if (!report.failure.empty()) {

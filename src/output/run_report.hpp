@@ -87,8 +87,9 @@ struct ProgramTimes {
 
 /// What a run found: the plugin's record, and all that the plugin knows nothing of.
 struct RunReport {
-  std::string plugin_record;  ///< JSON, see TrefoilSNESGetRecord()
-  std::string linear_solver;  ///< what solved the linear systems, in words
+  std::string plugin_record;         ///< JSON, see TrefoilSNESGetRecord()
+  std::string linear_solver;         ///< what solved the linear systems, in words
+  std::string linear_solver_reason;  ///< why that
   MeshReport mesh;
   std::vector<ConstraintReport> constraints;
   std::vector<LoadReport> loads;

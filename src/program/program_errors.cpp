@@ -102,6 +102,23 @@ void keep_error(const std::string &sentence) {
   kept_sentence = sentence;
 }
 
+bool explain_lack_of_memory(PetscErrorCode error) {
+  // CHOLMOD's codes for "out of memory" and "problem too large" reach us in words only.
+  const bool of_cholmod = kept_sentence.find("CHOLMOD") != std::string::npos &&
+                          (kept_sentence.find("status -2") != std::string::npos ||
+                           kept_sentence.find("status -3") != std::string::npos);
+  // Where it has no memory left, PETSc 3.18 gives a line of its source for the code.
+  const bool of_petsc =
+      error == PETSC_ERR_MEM || error < PETSC_ERR_MIN_VALUE || error > PETSC_ERR_MAX_VALUE;
+  if (!error || !(of_petsc || of_cholmod)) return false;
+  kept_sentence = std::string("out of memory") +
+                  (of_cholmod ? " for the factors of the linear solver: -solver iterative needs "
+                                "much less; else"
+                              : ":") +
+                  " use more machines or a coarser mesh (" + kept_sentence + ")";
+  return true;
+}
+
 void use_one_thread_a_rank() {
   for (const char *name : {"OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"}) {
     const char *wish = std::getenv(name);

@@ -19,6 +19,10 @@ PetscErrorCode announce_signals();
 /// Keeps the sentence of an error that PETSc does not know of.
 void keep_error(const std::string &sentence);
 
+/// Whether that error is a lack of memory; then its sentence becomes one that says so, and what
+/// helps.
+bool explain_lack_of_memory(PetscErrorCode error);
+
 /// One thread a rank in BLAS and in OpenMP, unless the user's environment says otherwise: element
 /// matrices are too small for more, and ranks would fight for cores.
 void use_one_thread_a_rank();

@@ -29,7 +29,7 @@
 namespace trefoil {
 namespace {
 
-constexpr int success = 0, bad_input = 1, not_converged = 3;
+constexpr int success = 0, bad_input = 1, not_converged = 3, out_of_memory = 3;
 
 /// Seconds of the slowest rank.
 PetscErrorCode share_times(MPI_Comm comm, ProgramTimes *times) {
@@ -138,7 +138,7 @@ int run_with_petsc(Arguments &arguments, double begin, bool *has_failed) {
     keep_error(std::string("stopped by an unexpected error: ") + problem.what());
   }
   *has_failed = error != PETSC_SUCCESS;
-  if (*has_failed) status = bad_input;
+  if (*has_failed) status = explain_lack_of_memory(error) ? out_of_memory : bad_input;
   return status;
 }
 

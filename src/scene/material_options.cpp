@@ -115,13 +115,23 @@ PetscErrorCode read_material(MPI_Comm comm, OptionReader &reader, const std::str
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-bool is_nearly_incompressible(const MaterialOptions &options) {
+/// Lame's constants lambda and mu of small strains about rest.
+static std::array<double, 2> lame_at_rest(const MaterialOptions &options) {
   Matrix3<double> identity;
   for (int i = 0; i < 3; ++i) identity(i, i) = 1;
   Tangent<double> A;  // dP_ij/dF_kl at 9 (3 i + j) + 3 k + l
   make_material(options)->tangent(identity, A);
-  const double lambda = A[9 * 0 + 4], mu = A[9 * 1 + 1];
+  return {A[9 * 0 + 4], A[9 * 1 + 1]};
+}
+
+bool is_nearly_incompressible(const MaterialOptions &options) {
+  const auto [lambda, mu] = lame_at_rest(options);
   return lambda > 10 * mu;
+}
+
+double poisson_at_rest(const MaterialOptions &options) {
+  const auto [lambda, mu] = lame_at_rest(options);
+  return lambda / (2 * (lambda + mu));
 }
 
 std::unique_ptr<MaterialModel> make_material(const MaterialOptions &options) {

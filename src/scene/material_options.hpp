@@ -36,6 +36,9 @@ PetscErrorCode read_material(MPI_Comm comm, OptionReader &reader, const std::str
 /// Whether Lame's constants at rest have lambda > 10 mu, a Poisson's ratio above 0.4545.
 bool is_nearly_incompressible(const MaterialOptions &options);
 
+/// Poisson's ratio of small strains about rest.
+double poisson_at_rest(const MaterialOptions &options);
+
 /// The material; read_material() has made sure that there is one.
 std::unique_ptr<MaterialModel> make_material(const MaterialOptions &options);
 

@@ -10,6 +10,7 @@
 #include "scene/moving_body.hpp"
 #include "scene/probes.hpp"
 #include "scene/scene_options.hpp"
+#include "scene/solver_choice.hpp"
 
 namespace trefoil {
 
@@ -29,6 +30,7 @@ struct Scene {
   std::vector<std::string> warnings;
   Mat hessian = nullptr;
   Vec displacement = nullptr;  ///< the unknowns; the start, later the solution
+  SolverChoice linear_solver;  ///< made where the scene is solved
   double read_seconds = 0, setup_seconds = 0;
 
   ~Scene();

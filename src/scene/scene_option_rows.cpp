@@ -146,6 +146,12 @@ std::vector<OptionRow> solve_rows(SceneOptions &options) {
       {"where_tolerance", &options.where_tolerance,
        "What ==, <= and >= of every `where` may be off", "share of the box's diagonal"},
       {"check", &options.check, "Build the scene, say what it holds, solve nothing; also --check"},
+      {"solver",
+       &options.solver,
+       "Of linear systems: by size, memory and Poisson's ratio (auto), Cholesky factors (direct), "
+       "or conjugate gradients with multigrid (iterative); -ksp_* and -pc_* win",
+       "",
+       {"auto", "direct", "iterative"}},
       {"assembly",
        &options.assembly,
        "H and N at once, in batches; plain: by LAPACK and MatSetValues; hook: as a code that "

@@ -79,6 +79,7 @@ struct SceneOptions {
   PetscInt initial_steps = 20;       ///< local/global steps of arap
   TimeOptions time;
   std::string filter_space = "element";  ///< -snes_trefoil_space, which the element term reads
+  std::string solver = "auto";           ///< of linear systems: or "direct", "iterative"
   std::string assembly = "split";        ///< or "hook": through the plugin's watch on the Mat
   bool check = false;                    ///< build the scene, say what it holds, solve nothing
   std::string output_file;

@@ -120,6 +120,14 @@ PetscErrorCode TrefoilSNESSetSearch(SNES snes, TrefoilSearch search) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode TrefoilSNESSetCorrections(SNES snes, PetscInt most) {
+  PetscFunctionBegin;
+  PetscCall(change_options(snes, [=](SolverOptions &options) {
+    options.search.shamanskii_steps = static_cast<int>(most);
+  }));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode TrefoilSNESSetTrustStart(SNES snes, PetscBool trust) {
   PetscFunctionBegin;
   PetscCall(change_options(

@@ -49,7 +49,7 @@ PetscErrorCode LoadPath::follow(GuessCost *cost) {
   if (!spread_) PetscCall(VecDuplicate(scene_.displacement, &spread_));
   PetscCall(VecSet(spread_, 0));
   PetscCall(spread_displacements(*scene_.functional, scene_.discretization, scene_.hessian, 0,
-                                 spread_, &spent));
+                                 scene_.linear_solver.kind != SolverKind::direct, spread_, &spent));
   if (stand_) {
     PetscCall(VecAXPY(scene_.displacement, 1, spread_));
     PetscCall(VecAXPY(scene_.displacement, -1, spread_of_stand_));

@@ -32,6 +32,7 @@ PetscErrorCode fill_report(const Scene &scene, const SolveOutcome &outcome, cons
   report->mesh.inverted_at_start = outcome.inverted_at_start;
   report->plugin_record = outcome.plugin_record;
   report->linear_solver = outcome.linear_solver;
+  report->linear_solver_reason = scene.linear_solver.reason;
   report->failure = outcome.failure;
   report->end = end;
   report->constraints = scene.constraints.reports();

@@ -1,10 +1,10 @@
 #include "solve/scene_solver.hpp"
 
-#include <array>
 #include <nlohmann/json.hpp>
 
 #include "scene/initial_displacement.hpp"
 #include "scene/unknown_options.hpp"
+#include "solve/set_linear_solver.hpp"
 #include "solve/solver_help.hpp"
 #include "support/petsc_compatibility.hpp"
 #include "trefoil.h"
@@ -17,77 +17,6 @@ PetscErrorCode is_set(const char *option, bool *set) {
   PetscFunctionBeginUser;
   PetscCall(PetscOptionsHasName(nullptr, nullptr, option, &found));
   *set = found == PETSC_TRUE;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/// A default for one of PETSc's own options.
-PetscErrorCode set_unless_given(const char *option, const char *value) {
-  bool given = false;
-  PetscFunctionBeginUser;
-  PetscCall(is_set(option, &given));
-  if (!given) PetscCall(PetscOptionsSetValue(nullptr, option, value));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/// A direct solver for symmetric matrices: CHOLMOD on one rank, MUMPS on several, and MUMPS where
-/// the matrix may be indefinite, which it survives and CHOLMOD does not, unless the rule goes on
-/// from there. With a preconditioner of the user's, conjugate gradients.
-PetscErrorCode choose_linear_solver(SNES snes, KSP ksp) {
-  PC pc = nullptr;
-  PetscMPIInt ranks = 0;
-  PetscBool may_be_indefinite = PETSC_FALSE, retries = PETSC_FALSE;
-  bool preconditioner_set = false, multigrid_option_set = false;
-  PetscFunctionBeginUser;
-  PetscCall(KSPGetPC(ksp, &pc));
-  PetscCall(is_set("-pc_type", &preconditioner_set));
-  PetscCall(is_set("-pc_gamg_reuse_interpolation", &multigrid_option_set));
-  if (preconditioner_set) {
-    PetscCall(KSPSetType(ksp, KSPCG));
-    PetscCall(KSPSetTolerances(ksp, 1e-8, PETSC_DEFAULT, PETSC_DEFAULT, 2000));
-    // Reused coarse spaces of the last Jacobian make the second one look indefinite (PETSc 3.18).
-    if (!multigrid_option_set) {
-      std::array<char, 64> type{};
-      PetscCall(
-          PetscOptionsGetString(nullptr, nullptr, "-pc_type", type.data(), type.size(), nullptr));
-      if (std::string(type.data()) == PCGAMG) {
-        PetscCall(PetscOptionsSetValue(nullptr, "-pc_gamg_reuse_interpolation", "false"));
-      }
-    }
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  PetscCallMPI(MPI_Comm_size(PetscObjectComm(reinterpret_cast<PetscObject>(snes)), &ranks));
-  PetscCall(TrefoilSNESJacobianMayBeIndefinite(snes, &may_be_indefinite));
-  PetscCall(TrefoilSNESRetriesFactors(snes, &retries));
-  PetscCall(KSPSetType(ksp, KSPPREONLY));
-  PetscCall(PCSetType(pc, PCCHOLESKY));
-#if defined(PETSC_HAVE_SUITESPARSE)
-  if (ranks == 1 && (!may_be_indefinite || retries)) {
-    PetscCall(PCFactorSetMatSolverType(pc, MATSOLVERCHOLMOD));
-    // Its other factors exist for indefinite matrices as well. These tell whether a point is a
-    // minimum, and that it is none is an answer, not worth a warning.
-    PetscCall(set_unless_given("-mat_cholmod_factor", "SUPERNODAL"));
-    PetscCall(set_unless_given("-mat_cholmod_print", "0"));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-#endif
-#if defined(PETSC_HAVE_MUMPS)
-  PetscCall(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
-  // Negative pivots are counted, also those of the root, which several ranks would share.
-  if (may_be_indefinite) PetscCall(set_unless_given("-mat_mumps_icntl_13", "1"));
-  // Its own guess of the memory, 20 % more than the analysis says, is sometimes short of one
-  // number.
-  PetscCall(set_unless_given("-mat_mumps_icntl_14", "100"));
-#endif
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/// The default linear solver, which depends on what the SNES was told; options have the last word.
-PetscErrorCode set_linear_solver(SNES snes) {
-  KSP ksp = nullptr;
-  PetscFunctionBeginUser;
-  PetscCall(SNESGetKSP(snes, &ksp));
-  PetscCall(choose_linear_solver(snes, ksp));
-  PetscCall(KSPSetFromOptions(ksp));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -170,6 +99,17 @@ PetscErrorCode solve(SNES snes, Vec x) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// One line, before the first solve.
+PetscErrorCode say_linear_solver(const Scene &scene, SNES snes) {
+  LinearSolver solver;
+  PetscFunctionBeginUser;
+  PetscCall(describe_linear_solver(snes, &solver));
+  PetscCall(PetscPrintf(PetscObjectComm(reinterpret_cast<PetscObject>(snes)),
+                        "linear solver: %s (%s)\n", solver.text.c_str(),
+                        scene.linear_solver.reason.c_str()));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 }  // namespace
 
 SceneSolver::~SceneSolver() {
@@ -181,12 +121,14 @@ PetscErrorCode SceneSolver::set_up(const SolveOutcome &outcome, double head_star
   PetscCall(SNESCreate(PetscObjectComm(reinterpret_cast<PetscObject>(scene_.mesh.dm)), &snes_));
   PetscCall(scene_.functional->attach(snes_, scene_.hessian, assembly_of(scene_.options)));
   PetscCall(set_defaults(snes_, outcome, head_start));
+  PetscCall(set_defaults_of_linear_solver(scene_.linear_solver, snes_));
   if (scene_.motion) PetscCall(set_time_defaults(snes_));
   PetscCall(SNESSetFromOptions(snes_));
   PetscCall(check_solver(snes_));
   PetscCall(TrefoilSNESSetFromOptions(snes_));     // also where another type does not read them
   PetscCall(TrefoilSNESSetRecordFile(snes_, ""));  // the program writes it, completed
-  PetscCall(set_linear_solver(snes_));
+  PetscCall(set_linear_solver(scene_.linear_solver, snes_));
+  if (outcome.linear_solver.empty()) PetscCall(say_linear_solver(scene_, snes_));
   PetscCall(SNESMonitorSet(snes_, refuse_unused_once, nullptr, nullptr));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -233,6 +175,7 @@ PetscErrorCode make_start(Scene &scene, SolveOutcome *outcome) {
   } else if (initial != "rest") {
     PetscCall(spread_displacements(*scene.functional, scene.discretization, scene.hessian,
                                    initial == "arap" ? scene.options.initial_steps : 0,
+                                   scene.linear_solver.kind != SolverKind::direct,
                                    scene.displacement, &outcome->guess));
   }
   PetscCall(scene.functional->count_inverted(scene.displacement, &outcome->inverted_at_start));

@@ -10,6 +10,7 @@
 #include "solve/load_steps.hpp"
 #include "solve/run_record.hpp"
 #include "solve/scene_solver.hpp"
+#include "solve/set_linear_solver.hpp"
 #include "solve/start_check.hpp"
 #include "solve/step_sizes.hpp"
 #include "solve/time_walk.hpp"
@@ -176,6 +177,7 @@ PetscErrorCode solve_scene(Scene &scene, const StateObserver &observe, SolveOutc
   EnergySums end;
   PetscFunctionBeginUser;
   PetscCall(scene.functional->energy_at_rest(&outcome->energy_rest));
+  PetscCall(choose_linear_solver(scene, &scene.linear_solver));
   if (scene.motion) {
     PetscCall(walk_in_time(scene, observe, outcome));
   } else {
@@ -191,6 +193,7 @@ PetscErrorCode expect_linear_solver(Scene &scene, LinearSolver *solver) {
   SceneSolver expected(scene);
   SolveOutcome outcome;
   PetscFunctionBeginUser;
+  PetscCall(choose_linear_solver(scene, &scene.linear_solver));
   PetscCall(expected.set_up(outcome, 0));
   PetscCall(expected.expect(solver));
   if (scene.motion) PetscCall(scene.motion->hold_start());

@@ -14,6 +14,7 @@ namespace {
 /// is wholly free or wholly held.
 class ComponentSolver {
  public:
+  explicit ComponentSolver(bool iterative) : iterative_(iterative) {}
   ~ComponentSolver() {
     for (std::size_t i = 0; i < 3; ++i) {  // errors have nowhere to go from here
       static_cast<void>(ISDestroy(&unknowns_[i]));
@@ -31,6 +32,7 @@ class ComponentSolver {
  private:
   PetscErrorCode find_unknowns(const Discretization &discretization, Mat H);
 
+  bool iterative_;
   std::size_t components_ = 3;
   std::array<IS, 3> unknowns_{};
   std::array<KSP, 3> solver_{};
@@ -83,15 +85,11 @@ PetscErrorCode give_mumps_memory(PC pc) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// Direct, like the Hessian's; where the user has chosen another preconditioner for that one,
-/// conjugate gradients with multigrid, which Laplace's matrix is made for.
-PetscErrorCode set_solver(KSP ksp) {
+PetscErrorCode set_solver(KSP ksp, bool iterative) {
   PC pc = nullptr;
   PetscMPIInt ranks = 0;
-  PetscBool iterative = PETSC_FALSE;
   PetscFunctionBeginUser;
   PetscCall(KSPGetPC(ksp, &pc));
-  PetscCall(PetscOptionsHasName(nullptr, nullptr, "-pc_type", &iterative));
   PetscCallMPI(MPI_Comm_size(PetscObjectComm(reinterpret_cast<PetscObject>(ksp)), &ranks));
   if (iterative) {
     PetscCall(KSPSetType(ksp, KSPCG));
@@ -128,7 +126,7 @@ PetscErrorCode ComponentSolver::set_up(const Discretization &discretization, Mat
       PetscCall(MatSetOption(laplace, MAT_SPD, PETSC_TRUE));
       PetscCall(KSPCreate(PetscObjectComm(reinterpret_cast<PetscObject>(H)), &solver_[i]));
       PetscCall(KSPSetOperators(solver_[i], laplace, laplace));
-      PetscCall(set_solver(solver_[i]));
+      PetscCall(set_solver(solver_[i], iterative_));
       PetscCall(MatDestroy(&laplace));
     }
     Mat laplace = nullptr;
@@ -158,7 +156,8 @@ PetscErrorCode ComponentSolver::correct(Vec g, Vec x) {
 
 PetscErrorCode spread_displacements(const EnergyFunctional &functional,
                                     const Discretization &discretization, Mat H,
-                                    PetscInt rotation_steps, Vec x, GuessCost *cost) {
+                                    PetscInt rotation_steps, bool iterative, Vec x,
+                                    GuessCost *cost) {
   PetscLogDouble begin = 0, end = 0;
   PetscReal size = 0;
   Vec g = nullptr;
@@ -170,7 +169,7 @@ PetscErrorCode spread_displacements(const EnergyFunctional &functional,
   PetscCall(harmonic->gradient(x, g));
   PetscCall(VecNorm(g, NORM_INFINITY, &size));
   if (size > 0) {
-    ComponentSolver solver;
+    ComponentSolver solver(iterative);
     PetscCall(harmonic->hessian(x, H, nullptr, &ignored));
     PetscCall(solver.set_up(discretization, H));
     PetscCall(solver.correct(g, x));

@@ -20,10 +20,13 @@ struct GuessCost {
 ///
 /// A start for static problems with prescribed displacements; the minimum that is found from it is
 /// one of the same energy.
+/// @param iterative by conjugate gradients with multigrid, which Laplace's matrix is made for,
+/// instead of Cholesky factors
 /// @param H a matrix with the Hessian's pattern; its values are lost
-/// Collective. Options of the solver have the prefix guess_; direct by default.
+/// Collective. Options of the solver have the prefix guess_.
 PetscErrorCode spread_displacements(const EnergyFunctional &functional,
                                     const Discretization &discretization, Mat H,
-                                    PetscInt rotation_steps, Vec x, GuessCost *cost);
+                                    PetscInt rotation_steps, bool iterative, Vec x,
+                                    GuessCost *cost);
 
 }  // namespace trefoil

@@ -35,7 +35,8 @@ struct Guess {
     PetscCall(body.set_up(comm, generate_mesh(mesh, 4, 0), holding, moved));
     PetscCall(body.discretization.create_vector(&x));
     PetscCall(body.discretization.create_matrix(&H));
-    PetscCall(spread_displacements(*body.functional, body.discretization, H, steps, x, &cost));
+    PetscCall(
+        spread_displacements(*body.functional, body.discretization, H, steps, false, x, &cost));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   /// Largest distance from a field, over the unknowns.

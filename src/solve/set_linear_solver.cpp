@@ -1,0 +1,167 @@
+#include "solve/set_linear_solver.hpp"
+
+#include <petscpc.h>
+
+#include <algorithm>
+#include <array>
+
+#include "scene/scene.hpp"
+#include "support/free_memory.hpp"
+#include "support/petsc_compatibility.hpp"
+#include "trefoil.h"
+
+namespace trefoil {
+namespace {
+
+PetscErrorCode is_set(const char *option, bool *set) {
+  PetscBool found = PETSC_FALSE;
+  PetscFunctionBeginUser;
+  PetscCall(PetscOptionsHasName(nullptr, nullptr, option, &found));
+  *set = found == PETSC_TRUE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// A default for one of PETSc's own options.
+PetscErrorCode set_unless_given(const char *option, const char *value) {
+  bool given = false;
+  PetscFunctionBeginUser;
+  PetscCall(is_set(option, &given));
+  if (!given) PetscCall(PetscOptionsSetValue(nullptr, option, value));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// The preconditioner that the user names; empty: none.
+PetscErrorCode preconditioner_of_user(std::string *type) {
+  std::array<char, 64> text{};
+  PetscFunctionBeginUser;
+  PetscCall(PetscOptionsGetString(nullptr, nullptr, "-pc_type", text.data(), text.size(), nullptr));
+  *type = text.data();
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode set_direct(SNES snes, KSP ksp, PC pc) {
+  PetscMPIInt ranks = 0;
+  PetscBool may_be_indefinite = PETSC_FALSE, retries = PETSC_FALSE;
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Comm_size(PetscObjectComm(reinterpret_cast<PetscObject>(snes)), &ranks));
+  PetscCall(TrefoilSNESJacobianMayBeIndefinite(snes, &may_be_indefinite));
+  PetscCall(TrefoilSNESRetriesFactors(snes, &retries));
+  PetscCall(KSPSetType(ksp, KSPPREONLY));
+  PetscCall(PCSetType(pc, PCCHOLESKY));
+#if defined(PETSC_HAVE_SUITESPARSE)
+  if (ranks == 1 && (!may_be_indefinite || retries)) {
+    PetscCall(PCFactorSetMatSolverType(pc, MATSOLVERCHOLMOD));
+    // Its other factors exist for indefinite matrices as well. These tell whether a point is a
+    // minimum, and that it is none is an answer, not worth a warning.
+    PetscCall(set_unless_given("-mat_cholmod_factor", "SUPERNODAL"));
+    PetscCall(set_unless_given("-mat_cholmod_print", "0"));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+#endif
+#if defined(PETSC_HAVE_MUMPS)
+  PetscCall(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
+  // Negative pivots are counted, also those of the root, which several ranks would share.
+  if (may_be_indefinite) PetscCall(set_unless_given("-mat_mumps_icntl_13", "1"));
+  // Its own guess of the memory, 20 % more than the analysis says, is sometimes short of one
+  // number.
+  PetscCall(set_unless_given("-mat_mumps_icntl_14", "100"));
+#endif
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode set_iterative(KSP ksp, PC pc) {
+  PetscReal threshold = 0.02;
+  PetscFunctionBeginUser;
+  PetscCall(KSPSetType(ksp, KSPCG));
+  PetscCall(KSPSetTolerances(ksp, 1e-1, PETSC_DEFAULT, PETSC_DEFAULT, 1000));
+  PetscCall(PCSetType(pc, PCGAMG));
+  PetscCall(PCGAMGSetThreshold(pc, &threshold, 1));
+  PetscCall(PCGAMGSetReuseInterpolation(pc, PETSC_TRUE));
+  PetscCall(PCGAMGSetUseSAEstEig(pc, PETSC_FALSE));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Conjugate gradients as exact as a preconditioner of any quality needs to be trusted.
+PetscErrorCode set_users(KSP ksp) {
+  PetscFunctionBeginUser;
+  PetscCall(KSPSetType(ksp, KSPCG));
+  PetscCall(KSPSetTolerances(ksp, 1e-8, PETSC_DEFAULT, PETSC_DEFAULT, 2000));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+double largest_poisson(const SceneOptions &options) {
+  double largest = poisson_at_rest(options.material);
+  for (const RegionOptions &region : options.regions) {
+    largest = std::max(largest, poisson_at_rest(region.material));
+  }
+  return largest;
+}
+
+PetscErrorCode describe_task(const Scene &scene, SolverTask *task) {
+  const Mesh &mesh = scene.mesh;
+  const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(mesh.dm));
+  PetscMPIInt ranks = 0;
+  MatInfo info;
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Comm_size(comm, &ranks));
+  task->cells = mesh.total_cells;
+  task->cell = mesh.dimension() == 3 ? "tetrahedra" : "triangles";
+  task->order = mesh.total_vertices > mesh.total_corners ? 2 : 1;
+  task->poisson = largest_poisson(scene.options);
+  task->ranks = ranks;
+  PetscCall(estimate_factor(scene.discretization, &task->factor));
+  PetscCall(free_memory(comm, &task->free_bytes));
+  PetscCall(MatGetInfo(scene.hessian, MAT_GLOBAL_SUM, &info));
+  // N, of the Hessian's pattern.
+  task->other_bytes =
+      info.nz_allocated * static_cast<double>(sizeof(PetscScalar) + sizeof(PetscInt));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+}  // namespace
+
+PetscErrorCode choose_linear_solver(const Scene &scene, SolverChoice *choice) {
+  std::string users;
+  SolverTask task;
+  PetscFunctionBeginUser;
+  PetscCall(preconditioner_of_user(&users));
+  if (!users.empty()) {
+    choice->kind = users == PCGAMG ? SolverKind::iterative : SolverKind::users;
+    choice->reason = "as -pc_type says";
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(describe_task(scene, &task));
+  *choice = choose_solver(task, scene.options.solver);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode set_defaults_of_linear_solver(const SolverChoice &choice, SNES snes) {
+  PetscFunctionBeginUser;
+  if (choice.kind != SolverKind::iterative) PetscFunctionReturn(PETSC_SUCCESS);
+  // A solve to a tenth is as cheap beside a set-up as one with factors beside a factorisation.
+  PetscCall(TrefoilSNESSetCorrections(snes, 8));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode set_linear_solver(const SolverChoice &choice, SNES snes) {
+  KSP ksp = nullptr;
+  PC pc = nullptr;
+  PetscFunctionBeginUser;
+  PetscCall(SNESGetKSP(snes, &ksp));
+  PetscCall(KSPGetPC(ksp, &pc));
+  switch (choice.kind) {
+    case SolverKind::direct:
+      PetscCall(set_direct(snes, ksp, pc));
+      break;
+    case SolverKind::iterative:
+      PetscCall(set_iterative(ksp, pc));
+      break;
+    case SolverKind::users:
+      PetscCall(set_users(ksp));
+      break;
+  }
+  PetscCall(KSPSetFromOptions(ksp));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+}  // namespace trefoil

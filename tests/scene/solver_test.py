@@ -1,0 +1,89 @@
+"""Which linear solver runs, and that its answer is the same whichever it is."""
+import re
+import subprocess
+import unittest
+
+from trefoil_program import PROGRAM, environment, record_of, run
+
+BOX = ["-mesh_generate", "box", "-constraints", "held,pulled", "-constraint_held_where",
+       "x == xmin", "-constraint_pulled_where", "x == xmax", "-constraint_pulled_move",
+       "1, 1-z-y, y-z"]
+
+
+def box(resolution, *options):
+    return [*BOX, "-mesh_resolution", str(resolution), *options]
+
+
+def linear(record):
+    return f'{record["solver"]["linear"]} ({record["solver"]["linear_reason"]})'
+
+
+def megabytes(text):
+    """The first size in a sentence."""
+    number, unit = re.search(r"([0-9.]+) (MB|GB)", text).groups()
+    return float(number) * (1000 if unit == "GB" else 1)
+
+
+LIMIT = 700 * 1000 ** 2  # bytes of address space; the program and its libraries take 470 MB of it
+
+
+def run_within(limit, options, ranks=1):
+    """A run whose ranks may each take no more than `limit`."""
+    words = ["mpirun", "-n", str(ranks), "prlimit", f"--as={limit}", PROGRAM, *options]
+    return subprocess.run(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                          env=environment(), timeout=100, check=False)
+
+
+class ChoiceTest(unittest.TestCase):
+    def test_small_bodies_are_factored(self):
+        for ranks, package in (1, "cholmod"), (2, "mumps"):
+            record = record_of(box(4), ranks)
+            self.assertIn(f"Cholesky by {package} (384 tetrahedra", linear(record))
+            self.assertIn("linear solver: Cholesky", record["printed"])
+
+    def test_bulky_bodies_are_not(self):
+        record = record_of(box(18, "-snes_max_it", "1"), 2)
+        self.assertIn("cg with gamg (34992 tetrahedra; a Cholesky factor would take "
+                      "about", linear(record))
+
+    def test_the_wish_and_then_petscs_options_win(self):
+        self.assertIn("cg with gamg",
+                      linear(record_of(box(4, "-solver", "iterative"))))
+        self.assertIn("minres with jacobi (as -pc_type says)",
+                      linear(record_of(box(4, "-solver", "iterative", "-pc_type", "jacobi",
+                                           "-ksp_type", "minres"))))
+        self.assertIn("fgmres with gamg",
+                      linear(record_of(box(4, "-solver", "iterative", "-ksp_type", "fgmres"))))
+        result = run(box(4, "-solver", "fast"))
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("auto, direct, iterative", result.stdout)
+
+    def test_the_factors_size_is_known_beforehand(self):
+        record = record_of(box(16, "-solver", "direct", "-initial", "rest"))
+        ratio = record["memory"]["factor_bytes"] / 1e6 / megabytes(linear(record))
+        self.assertLess(abs(ratio - 1), 0.2)
+
+    def test_what_does_not_fit_is_not_factored(self):
+        result = run_within(LIMIT, box(24, "-snes_max_it", "0", "-initial", "rest"))
+        self.assertRegex(result.stdout, r"gamg \(82944 tetrahedra; a Cholesky factor would need "
+                         r"about [0-9.]+ MB of the [0-9.]+ MB free\)")
+
+
+class MemoryTest(unittest.TestCase):
+    def check(self, result):
+        self.assertEqual(result.returncode, 3, result.stdout)
+        self.assertRegex(result.stdout, "out of memory")
+
+    def test_factors_that_do_not_fit(self):
+        for ranks in 1, 2:
+            result = run_within(LIMIT, box(24, "-solver", "direct", "-initial", "rest"), ranks)
+            self.check(result)
+            self.assertIn("for its factors" if ranks > 1 else "for the factors", result.stdout)
+
+    def test_matrices_that_do_not_fit(self):
+        for ranks in 1, 2:
+            self.check(run_within(LIMIT, box(40, "-initial", "rest"), ranks))
+
+
+if __name__ == "__main__":
+    unittest.main()
