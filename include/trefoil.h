@@ -170,6 +170,9 @@ PetscErrorCode TrefoilSNESSetDirectionTolerance(SNES snes, PetscReal tolerance);
    thrown away: an energy and a residual more, and what is left is the square of what was tested. */
 PetscErrorCode TrefoilSNESSetTakeLast(SNES snes, PetscBool take);
 PetscErrorCode TrefoilSNESSetVerifyMinimum(SNES snes, PetscBool verify);
+/* The most that the verification with an iterative solver may take, as a share of the solve; 0: no
+   bound. */
+PetscErrorCode TrefoilSNESSetVerifyShare(SNES snes, PetscReal share);
 PetscErrorCode TrefoilSNESSetMonitor(SNES snes, PetscBool on);
 /* The file of the JSON record; empty: none. */
 PetscErrorCode TrefoilSNESSetRecordFile(SNES snes, const char path[]);

@@ -5,13 +5,14 @@
 #include <cmath>
 
 #include "search/inertia.hpp"
+#include "search/inexact.hpp"
 #include "support/petsc_compatibility.hpp"
 #include "support/real_dot.hpp"
 
 namespace trefoil {
 namespace {
 
-enum class DirectionStatus { good, not_finite, indefinite, ascends };
+enum class DirectionStatus { good, unsolved, not_finite, indefinite, ascends };
 
 /// Newton's plain direction from an indefinite Hessian may descend by luck; it is none to follow.
 PetscErrorCode status_of(KSP ksp, const FilteredJacobian &jacobian, const LineSearchState &state,
@@ -23,6 +24,11 @@ PetscErrorCode status_of(KSP ksp, const FilteredJacobian &jacobian, const LineSe
   *status = DirectionStatus::good;
   if (!jacobian.is_clamped() && solved < 0) {
     *status = DirectionStatus::indefinite;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  // The iterate that a Krylov method has got to within -ksp_max_it is a direction all the same.
+  if (solved < 0 && solved != KSP_DIVERGED_ITS) {
+    *status = DirectionStatus::unsolved;
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   if (!std::isfinite(state.slope) || !std::isfinite(state.energy)) {
@@ -79,11 +85,16 @@ PetscErrorCode check_direction(SNES snes, Rule &rule, FilteredJacobian &jacobian
                                LineSearchState &state, SolveRecord &record,
                                SNESConvergedReason *reason) {
   KSP ksp = nullptr;
+  KSPConvergedReason solved = KSP_CONVERGED_ITERATING;
   DirectionStatus status = DirectionStatus::good;
   PetscFunctionBegin;
   *reason = SNES_CONVERGED_ITERATING;
   PetscCall(SNESGetKSP(snes, &ksp));
   PetscCall(status_of(ksp, jacobian, state, &status));
+  if (status == DirectionStatus::unsolved) {
+    PetscCall(solve_with_fresh_preconditioner(ksp, state, record));
+    PetscCall(status_of(ksp, jacobian, state, &status));
+  }
   while (status == DirectionStatus::indefinite && !state.lifted) {
     const std::optional<double> weight = rule.rejected(record.current);
     if (!weight) break;
@@ -93,6 +104,13 @@ PetscErrorCode check_direction(SNES snes, Rule &rule, FilteredJacobian &jacobian
   }
   switch (status) {
     case DirectionStatus::good:
+      break;
+    case DirectionStatus::unsolved:
+      PetscCall(KSPGetConvergedReason(ksp, &solved));
+      record.reason =
+          std::string("the linear solver failed, with a fresh preconditioner as well (") +
+          KSPConvergedReasons[solved] + "): use a direct one, or tune it by -ksp_* and -pc_*";
+      *reason = SNES_DIVERGED_LINEAR_SOLVE;
       break;
     case DirectionStatus::not_finite:
       record.reason = "the energy or the direction is not finite";

@@ -10,7 +10,6 @@
 namespace trefoil {
 namespace {
 
-constexpr int most_solves = 500;
 /// Curvatures below this share of the filtered Hessian's are rounding.
 constexpr double curvature_noise = 1e-10;
 
@@ -32,7 +31,7 @@ PetscErrorCode set_random_forces(Mat H, Vec forces, Vec diagonal) {
 
 }  // namespace
 
-PetscErrorCode probe_curvature(const FilteredJacobian &jacobian, PC solver, Vec like,
+PetscErrorCode probe_curvature(const FilteredJacobian &jacobian, PC solver, int most, Vec like,
                                WorkVectors &work, int *solves, StationaryPoint *kind,
                                NegativeCurvature *found) {
   Vec r = nullptr, z = nullptr, p = nullptr, Hp = nullptr;
@@ -51,7 +50,7 @@ PetscErrorCode probe_curvature(const FilteredJacobian &jacobian, PC solver, Vec 
   const double enough = 1e-8 / static_cast<double>(size) * rz;
   double squared_norm = rz;  // of p in the filtered Hessian's norm; the terms are orthogonal in it
   PetscCall(VecCopy(z, p));
-  for (int k = 0; k < most_solves && rz > 0; ++k) {
+  for (int k = 0; k < most && rz > 0; ++k) {
     double curvature = 0;
     ++*solves;
     PetscCall(jacobian.multiply_unfiltered(p, Hp));

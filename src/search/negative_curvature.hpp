@@ -25,10 +25,11 @@ struct NegativeCurvature {
 ///   unless the random vector happened to have nearly no part in that eigenvector.
 ///
 /// Collective.
+/// @param most solves with the preconditioner; after so many nothing is known
 /// @param like any vector of the SNES
 /// @param[out] solves with the preconditioner are added to it
 /// @param[out] found the direction where `kind` is a saddle; it belongs to `work`
-PetscErrorCode probe_curvature(const FilteredJacobian &jacobian, PC solver, Vec like,
+PetscErrorCode probe_curvature(const FilteredJacobian &jacobian, PC solver, int most, Vec like,
                                WorkVectors &work, int *solves, StationaryPoint *kind,
                                NegativeCurvature *found);
 

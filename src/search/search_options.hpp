@@ -26,7 +26,10 @@ struct StopOptions {
   double direction_tolerance = 0;     ///< largest entry of the direction, unknowns' units; 0: off
   bool takes_last = false;            ///< the direction that meets a test is followed, then it ends
   bool verify_minimum = false;        ///< look for negative curvature where the stop test is met
-  bool verify_minimum_set = false;    ///< by the user, so decrement_tolerance does not turn it off
+  /// Of the solve's applications of the preconditioner, a set-up counting as forty: as many more
+  /// may be spent on the verification, and at least thirty; 0: no bound.
+  double verify_share = 0;
+  bool verify_minimum_set = false;  ///< by the user, so decrement_tolerance does not turn it off
 };
 
 }  // namespace trefoil

@@ -21,10 +21,14 @@ PetscErrorCode most_steps(const SearchOptions &options, KSP ksp, int *most) {
 }
 
 /// Makes the point that was reached the start of a new line, with the old Jacobian's direction.
-PetscErrorCode restart_line(KSP ksp, LineSearchState &state) {
+PetscErrorCode restart_line(KSP ksp, LineSearchState &state, SolveRecord &record) {
+  PetscInt iterations = 0;
   PetscFunctionBegin;
   const Phase phase = state.clock.switch_to(Phase::linear_solve);
   PetscCall(KSPSolve(ksp, state.residual, state.update));
+  PetscCall(KSPGetIterationNumber(ksp, &iterations));
+  record.krylov_iterations += static_cast<int>(iterations);
+  ++record.linear_solves;
   state.clock.switch_to(phase);
   PetscCall(VecCopy(state.solution, state.x));
   state.energy = state.trial_energy;
@@ -48,8 +52,7 @@ PetscErrorCode take_shamanskii_steps(const SearchOptions &options, SNESLineSearc
   PetscCall(most_steps(options, ksp, &most));
   for (int k = 0; k < most && !state.truncated; ++k) {
     bool accepted = false;
-    PetscCall(restart_line(ksp, state));
-    ++record.linear_solves;
+    PetscCall(restart_line(ksp, state, record));
     if (!(state.slope < 0)) break;
     PetscCall(minimise_in_plane(jacobian, memory, state));
     PetscCall(backtrack(options, state, 1, most_trials, &accepted));

@@ -180,6 +180,13 @@ PetscErrorCode TrefoilSNESSetVerifyMinimum(SNES snes, PetscBool verify) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode TrefoilSNESSetVerifyShare(SNES snes, PetscReal share) {
+  PetscFunctionBegin;
+  PetscCall(
+      change_options(snes, [=](SolverOptions &options) { options.stop.verify_share = share; }));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode TrefoilSNESSetMonitor(SNES snes, PetscBool on) {
   PetscFunctionBegin;
   PetscCall(

@@ -111,6 +111,11 @@ std::vector<Option> table_of(SolverOptions &options) {
        "Where the stop test is met, look for negative curvature of the unfiltered Hessian, and "
        "leave a saddle along it (off where decrement_tolerance is set)",
        &stop.verify_minimum, &stop.verify_minimum_set},
+      {"snes_trefoil_verify_share",
+       "verify_minimum with an iterative solver: the most that it may take, as a share of the "
+       "solve; "
+       "0: no bound",
+       Number{&stop.verify_share, is_not_negative, not_negative}},
       {"snes_trefoil_monitor", "One line an iteration", &options.monitor},
       {"snes_trefoil_record", "Write a JSON record of the solve to a file", &options.record_file},
       {"snes_linesearch_shrink", "Factor from a step length to the next",

@@ -140,6 +140,11 @@ PetscErrorCode set_defaults_of_linear_solver(const SolverChoice &choice, SNES sn
   if (choice.kind != SolverKind::iterative) PetscFunctionReturn(PETSC_SUCCESS);
   // A solve to a tenth is as cheap beside a set-up as one with factors beside a factorisation.
   PetscCall(TrefoilSNESSetCorrections(snes, 8));
+  // What is left of the energy after an inexact direction is worth a step.
+  PetscCall(TrefoilSNESSetTakeLast(snes, PETSC_TRUE));
+  PetscCall(TrefoilSNESSetVerifyShare(snes, 0.05));
+  // Failures are answered with a fresh set-up, in the search.
+  PetscCall(SNESSetMaxLinearSolveFailures(snes, PETSC_MAX_INT));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -69,6 +69,36 @@ class ChoiceTest(unittest.TestCase):
                          r"about [0-9.]+ MB of the [0-9.]+ MB free\)")
 
 
+class AccuracyTest(unittest.TestCase):
+    def test_inexact_directions_end_at_the_same_energy(self):
+        for poisson in "0.3", "0.495":
+            for ranks in 1, 2:
+                direct, iterative = (
+                    record_of(box(8, "-material_poisson", poisson, "-solver", kind), ranks)
+                    for kind in ("direct", "iterative"))
+                for record in direct, iterative:
+                    self.assertEqual(record["status"], 0, record["printed"])
+                scale = direct["result"]["energy_scale"]
+                above = iterative["result"]["energy"] - direct["result"]["energy"]
+                self.assertLess(above / scale, 1e-8)
+
+    def test_a_coarse_solve_does_not_fool_the_stop_test(self):
+        # Half of the residual: the decrements of such directions are far too small.
+        options = ["-ksp_rtol", "0.9", "-snes_trefoil_take_last", "false"]
+        direct = record_of(box(8, "-solver", "direct"))
+        coarse = record_of(box(8, "-solver", "iterative", *options))
+        self.assertEqual(coarse["status"], 0, coarse["printed"])
+        above = coarse["result"]["energy"] - direct["result"]["energy"]
+        self.assertLess(above / direct["result"]["energy_scale"], 1e-7)
+
+    def test_an_unknown_end_is_said_to_be_unknown(self):
+        record = record_of(box(8, "-solver", "iterative", "-material_poisson", "0.495"))
+        if record["result"]["minimum"] is None:
+            self.assertTrue(any("is a minimum is not known" in note
+                                for note in record["solver"]["notes"]))
+        self.assertLessEqual(record["result"]["verification_solves"], 60)
+
+
 class MemoryTest(unittest.TestCase):
     def check(self, result):
         self.assertEqual(result.returncode, 3, result.stdout)

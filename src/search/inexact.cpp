@@ -1,0 +1,69 @@
+#include "search/inexact.hpp"
+
+#include <petscksp.h>
+
+#include <cmath>
+
+#include "support/petsc_compatibility.hpp"
+
+namespace trefoil {
+
+PetscErrorCode solve_with_fresh_preconditioner(KSP ksp, LineSearchState &state,
+                                               SolveRecord &record) {
+  Mat J = nullptr, H = nullptr;
+  PC pc = nullptr;
+  PetscBool lagged = PETSC_FALSE;
+  PetscInt iterations = 0;
+  PetscFunctionBegin;
+  const Phase phase = state.clock.switch_to(Phase::linear_solve);
+  PetscCall(KSPGetPC(ksp, &pc));
+  PetscCall(KSPGetOperators(ksp, &J, &H));
+  PetscCall(PetscObjectReference(reinterpret_cast<PetscObject>(J)));
+  PetscCall(PetscObjectReference(reinterpret_cast<PetscObject>(H)));
+  PetscCall(PCReset(pc));
+  PetscCall(KSPSetOperators(ksp, J, H));
+  PetscCall(MatDestroy(&J));
+  PetscCall(MatDestroy(&H));
+  PetscCall(KSPGetReusePreconditioner(ksp, &lagged));
+  PetscCall(KSPSetReusePreconditioner(ksp, PETSC_FALSE));
+  PetscCall(KSPSolve(ksp, state.residual, state.update));
+  PetscCall(KSPSetReusePreconditioner(ksp, lagged));
+  PetscCall(KSPGetIterationNumber(ksp, &iterations));
+  ++record.factorisations;
+  record.current.linear_iterations += static_cast<int>(iterations);
+  record.krylov_iterations += static_cast<int>(iterations);
+  PetscCall(take_solvers_direction(state));
+  record.current.decrement = std::abs(state.slope) / 2;
+  state.clock.switch_to(phase);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode refine_direction(KSP ksp, LineSearchState &state, SolveRecord &record,
+                                bool *refined) {
+  constexpr double exact_enough = 1e-3;
+  PetscBool direct = PETSC_FALSE, starts_from_guess = PETSC_FALSE;
+  PetscReal tolerance = 0, absolute = 0, divergence = 0;
+  PetscInt iterations = 0, most = 0;
+  PetscFunctionBegin;
+  PetscCall(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(ksp), KSPPREONLY, &direct));
+  PetscCall(KSPGetTolerances(ksp, &tolerance, &absolute, &divergence, &most));
+  *refined = !direct && tolerance > exact_enough;
+  if (!*refined) PetscFunctionReturn(PETSC_SUCCESS);
+  const Phase phase = state.clock.switch_to(Phase::linear_solve);
+  PetscCall(KSPGetInitialGuessNonzero(ksp, &starts_from_guess));
+  // PETSc measures the residual against the right-hand side, wherever the solve begins.
+  PetscCall(KSPSetTolerances(ksp, exact_enough, absolute, divergence, most));
+  PetscCall(KSPSetInitialGuessNonzero(ksp, PETSC_TRUE));
+  PetscCall(KSPSolve(ksp, state.residual, state.update));
+  PetscCall(KSPSetInitialGuessNonzero(ksp, starts_from_guess));
+  PetscCall(KSPSetTolerances(ksp, tolerance, absolute, divergence, most));
+  PetscCall(KSPGetIterationNumber(ksp, &iterations));
+  record.current.linear_iterations += static_cast<int>(iterations);
+  record.krylov_iterations += static_cast<int>(iterations);
+  PetscCall(take_solvers_direction(state));
+  record.current.decrement = std::abs(state.slope) / 2;
+  state.clock.switch_to(phase);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+}  // namespace trefoil

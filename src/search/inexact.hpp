@@ -1,0 +1,24 @@
+#pragma once
+
+#include <petscsnes.h>
+
+#include "search/line_search_state.hpp"
+#include "search/solve_record.hpp"
+
+namespace trefoil {
+
+/// Where a Krylov solver has failed: makes its preconditioner anew, coarse spaces that were kept
+/// from an older Jacobian as well, and solves once more. What the second solve says is in the KSP.
+/// Collective.
+PetscErrorCode solve_with_fresh_preconditioner(KSP ksp, LineSearchState &state,
+                                               SolveRecord &record);
+
+/// Goes on with a linear solve that ended with its residual above a thousandth of the first one,
+/// until it is there: conjugate gradients from below approach the decrement g'H^-1 g / 2, and a
+/// stop test must not be met because they ended early. The direction and its decrement are
+/// replaced. Collective.
+/// @param[out] refined whether there was anything to do
+PetscErrorCode refine_direction(KSP ksp, LineSearchState &state, SolveRecord &record,
+                                bool *refined);
+
+}  // namespace trefoil
