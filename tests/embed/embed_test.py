@@ -11,6 +11,7 @@ from hosts import DIRECT, HOSTS, LIBRARY, LOAD, ROOT, TREFOIL, outcome, run, sen
 ELEMENTS = [os.path.join(HOSTS, "elements")]
 PLEX = [os.path.join(HOSTS, "plex_fe")]
 ROWS = [os.path.join(HOSTS, "row_by_row")]
+SWING = [os.path.join(HOSTS, "swing")]
 OWN_RULE = [os.path.join(HOSTS, "own_rule")]
 TWO_MATRICES = [os.path.join(HOSTS, "two_matrices")]
 STATIC = [os.path.join(HOSTS, "static_host")]
@@ -41,6 +42,22 @@ class Host(unittest.TestCase):
         """What PETSc's own default line search does in 60 iterations."""
         printed, _, _ = run(program, f"{DIRECT} {options} -snes_linesearch_type bt -snes_max_it 60")
         return outcome(printed)
+
+
+class InTime(unittest.TestCase):
+    def test_steps_of_generalised_alpha(self):
+        """TSALPHA2: the states of PETSc's own Newton; with long steps in fewer iterations."""
+        tight = f"{DIRECT} -snes_rtol 1e-11 -snes_stol 0"
+        stock = outcome(run(SWING, tight)[0])[2]
+        for ranks in (1, 2):
+            printed, status, _ = run(SWING, f"{tight} {TREFOIL} -snes_trefoil_energy_tolerance "
+                                            "1e-24", ranks)
+            self.assertEqual(status, 0, printed)
+            self.assertLess(abs(outcome(printed)[2] / stock - 1), 1e-9)
+        stock, ours = (outcome(run(SWING, f"{DIRECT} -snes_stol 0 -ts_dt 0.1 {way}")[0])
+                       for way in ("", TREFOIL))
+        self.assertLess(ours[1], 0.7 * stock[1])
+        self.assertLess(abs(ours[2] / stock[2] - 1), 1e-6)
 
 
 class HandWrittenElements(Host):
