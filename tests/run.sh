@@ -1,5 +1,6 @@
 #!/bin/sh
-# All tests: installs what is missing, builds, and runs them. Arguments go to ctest, for example
+# All tests: installs what is missing, builds, and runs them, some under sanitizers as well. Arguments go
+# to ctest, for example
 #   sh tests/run.sh -R filter
 # Tests with FEniCSx, with PETSc's tutorials and in a browser say `skipped` unless their packages are
 # there; TREFOIL_TEST_PACKAGES="python3-dolfinx libpetsc3.18-dev-examples chromium" installs them first.
@@ -8,4 +9,7 @@ cd "$(dirname "$0")/.."
 . cmake/environment.sh
 # shellcheck disable=SC2086 # one word a package
 sh cmake/setup.sh tests ${TREFOIL_TEST_PACKAGES:-}
-ctest --test-dir build --output-on-failure "$@"
+status=0
+ctest --test-dir build --output-on-failure "$@" || status=$?
+[ $# -gt 0 ] || sh tests/sanitize.sh || status=$?
+exit $status
