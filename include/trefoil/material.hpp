@@ -4,7 +4,8 @@
 #include <optional>
 #include <string>
 
-#include "trefoil/matrix3.hpp"
+#include "trefoil/deformation.hpp"
+#include "trefoil/pack.hpp"
 
 namespace trefoil {
 
@@ -49,14 +50,32 @@ struct MaterialParameters {
   [[nodiscard]] double nonnegative_lambda(const std::string &material) const;
 };
 
-/// What a material supplies: energy density psi(F) per rest volume, first Piola-Kirchhoff stress
-/// P = dpsi/dF and tangent dP/dF, for a number or a pack of numbers. A material knows no element.
-/// It is copied about, and read by several threads at once.
+/// Stands for packs of all instruction sets in what is asked of a material.
+using AnyPack = Pack<InstructionSet::baseline>;
+
+/// What a material supplies: energy density psi(F) per rest volume, 0 at rest; first
+/// Piola-Kirchhoff stress P = dpsi/dF; and tangent A = dP/dF, all of it written. Templates, for
+/// packs of any instruction set. A material knows no element. It is copied about, and read by
+/// several threads at once.
+///
+/// It may also have rest_energy_density(), where its formula as it is known is not 0 at rest:
+/// reported energies have it added.
 template <class M>
-concept Material = requires(const M &material, const Matrix3<double> &F, Tangent<double> &tangent) {
-  { material.energy_density(F) } -> std::same_as<double>;
-  { material.stress(F) } -> std::same_as<Matrix3<double>>;
-  {material.tangent(F, tangent)};
+concept Material = requires(const M &material, const Deformation<AnyPack> &F, Tangent<AnyPack> &A) {
+  { material.energy_density(F) } -> std::same_as<AnyPack>;
+  { material.stress(F) } -> std::same_as<Matrix3<AnyPack>>;
+  {material.tangent(F, A)};
+};
+
+/// A material that says which part of its energy depends on J alone, see SplitMaterial.
+template <class M>
+concept VolumeSplittingMaterial = Material<M> &&
+    requires(const M &material, const Deformation<AnyPack> &F, const AnyPack &p,
+             Tangent<AnyPack> &A) {
+  { material.distortional_energy(F) } -> std::same_as<AnyPack>;
+  { material.stress_at_pressure(F, p) } -> std::same_as<Matrix3<AnyPack>>;
+  {material.add_tangent_at_pressure(F, p, A)};
+  {material.volumetric_law(p)};
 };
 
 /// A material that scenes may ask for: it has a name, and makes itself of what the user says.

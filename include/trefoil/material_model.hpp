@@ -7,30 +7,56 @@
 
 namespace trefoil {
 
-/// A material whose type is known at run time only.
+/// A material whose type is known at run time only. Deformations come as displacement gradients
+/// H = F - I.
 class MaterialModel {
  public:
   /// @param material what the functions take
-  MaterialModel(const PackedFunctions &functions, std::shared_ptr<const void> material)
-      : functions_(functions), material_(std::move(material)) {}
+  /// @param rest_energy_density what they leave out of psi: psi(I)
+  MaterialModel(const PackedFunctions &functions, std::shared_ptr<const void> material,
+                double rest_energy_density = 0)
+      : functions_(functions),
+        material_(std::move(material)),
+        rest_energy_density_(rest_energy_density) {}
 
   /// For the eight lanes of a pack, see PackedFunctions for the arrays.
-  void energy_densities(const double *F, double *psi) const {
-    functions_.energy_density(material_.get(), F, psi);
+  void energy_densities(const double *H, double *psi) const {
+    functions_.energy_density(material_.get(), H, psi);
   }
-  void stresses(const double *F, double *P) const { functions_.stress(material_.get(), F, P); }
-  void tangents(const double *F, double *A) const { functions_.tangent(material_.get(), F, A); }
+  void stresses(const double *H, double *P) const { functions_.stress(material_.get(), H, P); }
+  void tangents(const double *H, double *A) const { functions_.tangent(material_.get(), H, A); }
 
-  /// The same for one deformation gradient, at the price of eight: psi(F), energy per rest volume.
-  [[nodiscard]] double energy_density(const Matrix3<double> &F) const;
+  /// Whether it says which part of psi depends on J alone. What follows is for these only.
+  [[nodiscard]] bool splits_volume() const { return functions_.volumetric_law != nullptr; }
+  void distortional_energies(const double *H, double *W) const {
+    functions_.distortional_energy(material_.get(), H, W);
+  }
+  void stresses_at_pressure(const double *H, const double *p, double *P) const {
+    functions_.stress_at_pressure(material_.get(), H, p, P);
+  }
+  void tangents_at_pressure(const double *H, const double *p, double *A) const {
+    functions_.tangent_at_pressure(material_.get(), H, p, A);
+  }
+  void volumetric_laws(const double *J_minus_1, double *law) const {
+    functions_.volumetric_law(material_.get(), J_minus_1, law);
+  }
+
+  /// For one deformation, at the price of eight: psi(F) - psi(I), energy per rest volume.
+  [[nodiscard]] double energy_density(const Matrix3<double> &H) const;
   /// The first Piola-Kirchhoff stress P = dpsi/dF.
-  [[nodiscard]] Matrix3<double> stress(const Matrix3<double> &F) const;
-  /// dP/dF.
-  void tangent(const Matrix3<double> &F, Tangent<double> &A) const;
+  [[nodiscard]] Matrix3<double> stress(const Matrix3<double> &H) const;
+  /// The Cauchy stress P F' / J.
+  [[nodiscard]] Matrix3<double> cauchy_stress(const Matrix3<double> &H) const;
+  /// A = dP/dF.
+  void tangent(const Matrix3<double> &H, Tangent<double> &A) const;
+
+  /// psi(I) of the formula as it is known.
+  [[nodiscard]] double rest_energy_density() const { return rest_energy_density_; }
 
  private:
   PackedFunctions functions_;
   std::shared_ptr<const void> material_;
+  double rest_energy_density_;
 };
 
 /// The functions of M for an instruction set: those that M offers as a static member
@@ -49,8 +75,12 @@ PackedFunctions packed_functions_of(InstructionSet instructions) {
 template <Material M>
 std::unique_ptr<MaterialModel> make_material_model(
     const M &material, InstructionSet instructions = chosen_instruction_set()) {
+  double rest_energy_density = 0;
+  if constexpr (requires { material.rest_energy_density(); }) {
+    rest_energy_density = material.rest_energy_density();
+  }
   return std::make_unique<MaterialModel>(packed_functions_of<M>(instructions),
-                                         std::make_shared<M>(material));
+                                         std::make_shared<M>(material), rest_energy_density);
 }
 
 }  // namespace trefoil

@@ -40,13 +40,18 @@ std::unique_ptr<MaterialModel> make_material(
 void check_parameters(const std::string &name, const MaterialParameters &parameters,
                       bool has_volume_term, bool has_raw_constants, bool has_second_invariant);
 
+/// Refuses an energy density that is not 0 at rest: at small strains it would have no digits left.
+void check_rest(const std::string &name, const MaterialModel &model);
+
 template <SceneMaterial M>
 MaterialMaker maker_of() {
   return [](const MaterialParameters &parameters, InstructionSet instructions) {
     check_parameters(
         M::name, parameters, requires { M::has_volume_term; }, requires { M::has_raw_constants; },
         requires { M::has_second_invariant; });
-    return make_material_model(M(parameters), instructions);
+    auto model = make_material_model(M(parameters), instructions);
+    check_rest(M::name, *model);
+    return model;
   };
 }
 

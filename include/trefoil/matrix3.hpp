@@ -37,6 +37,15 @@ Real determinant(const Matrix3<Real> &F) {
          F(0, 2) * (F(1, 0) * F(2, 1) - F(1, 1) * F(2, 0));
 }
 
+template <class Real>
+Matrix3<Real> product(const Matrix3<Real> &A, const Matrix3<Real> &B) {
+  Matrix3<Real> C;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) C(i, j) = A(i, 0) * B(0, j) + A(i, 1) * B(1, j) + A(i, 2) * B(2, j);
+  }
+  return C;
+}
+
 /// F : F, the square of the Frobenius norm.
 template <class Real>
 Real squared_norm(const Matrix3<Real> &F) {

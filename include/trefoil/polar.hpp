@@ -1,7 +1,7 @@
 #pragma once
 
 #include "trefoil/branch_free.hpp"
-#include "trefoil/matrix3.hpp"
+#include "trefoil/deformation.hpp"
 
 namespace trefoil {
 
@@ -140,9 +140,42 @@ Matrix3<Real> rotation_of(const SignedSvd<Real> &svd) {
   return R;
 }
 
+/// F = R S with the rotation R and a symmetric S. What strains is the Biot strain S - I, and
+/// F - R = R (S - I).
 template <class Real>
-Matrix3<Real> rotation_of(const Matrix3<Real> &F) {
-  return rotation_of(signed_svd(F));
-}
+struct PolarDecomposition {
+  SignedSvd<Real> svd;  ///< of F
+  Matrix3<Real> rotation, biot_strain;
+
+  explicit PolarDecomposition(const Deformation<Real> &deformation)
+      : svd(signed_svd(deformation.F())),
+        rotation(rotation_of(svd)),
+        biot_strain(strain_of(svd, deformation)) {}
+
+ private:
+  /// Y = V diag(stretch - 1) V', whose error is rounding of numbers of order one. At small strains
+  /// 2 Y + Y^2 = 2 E, with Green's strain E to rounding of itself, gives Y = E - Y^2/2 once more:
+  /// the error becomes |Y| times what it was.
+  static Matrix3<Real> strain_of(const SignedSvd<Real> &svd, const Deformation<Real> &deformation) {
+    constexpr double largest = 0.25;
+    Matrix3<Real> V = svd.V, Y;
+    for (int i = 0; i < 3; ++i) {
+      for (int k = 0; k < 3; ++k)
+        V(i, k) = V(i, k) * (svd.stretch[static_cast<std::size_t>(k)] - 1.0);
+    }
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < 3; ++j) {
+        Y(i, j) = V(i, 0) * svd.V(j, 0) + V(i, 1) * svd.V(j, 1) + V(i, 2) * svd.V(j, 2);
+      }
+    }
+    const auto is_small = squared_norm(Y) < Real(largest * largest);
+    if (!any(is_small)) return Y;
+    const Matrix3<Real> E = deformation.green_strain(), square = product(Y, Y);
+    for (std::size_t k = 0; k < 9; ++k) {
+      Y.entries[k] = select(is_small, E.entries[k] - 0.5 * square.entries[k], Y.entries[k]);
+    }
+    return Y;
+  }
+};
 
 }  // namespace trefoil

@@ -1,6 +1,7 @@
 #include "assembly/energy_functional.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "mesh/boundary.hpp"
 #include "support/petsc_compatibility.hpp"
@@ -9,11 +10,11 @@ namespace trefoil {
 namespace {
 
 PetscErrorCode sum_over_ranks(DM dm, EnergySums *sums) {
-  double values[3] = {sums->energy, sums->scale, sums->stiffness};
+  double values[4] = {sums->energy, sums->strain_energy, sums->load_work, sums->scale};
   PetscFunctionBeginUser;
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, values, 3, MPI_DOUBLE, MPI_SUM,
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, values, 4, MPI_DOUBLE, MPI_SUM,
                              PetscObjectComm(reinterpret_cast<PetscObject>(dm))));
-  *sums = {values[0], values[1], values[2]};
+  *sums = {values[0], values[1], values[2], values[3]};
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -28,6 +29,32 @@ PetscErrorCode EnergyFunctional::energy(Vec x, EnergySums *sums) const {
   for (const auto &term : terms_) PetscCall(term->add_energy(u, sums));
   PetscCall(discretization_.restore_local(&local, &u));
   PetscCall(sum_over_ranks(discretization_.mesh().dm, sums));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode EnergyFunctional::size_of_energy(Vec x, double *scale) const {
+  // Times the energy that rounding of the displacements makes: below, no digit of an energy is left
+  // that a tolerance could ask for. Only bodies that move without strain come here.
+  constexpr double resolved = 1e10;
+  const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(x));
+  const std::size_t size = discretization_.global_dofs().size();
+  EnergySums sums;
+  Vec local = nullptr;
+  const PetscScalar *u = nullptr;
+  double stiffness = 0, largest = 0;
+  PetscFunctionBeginUser;
+  PetscCall(discretization_.get_local(x, &local, &u));
+  for (const auto &term : terms_) {
+    PetscCall(term->add_energy(u, &sums));
+    stiffness += term->stiffness();
+  }
+  for (std::size_t k = 0; k < size; ++k) largest = std::max(largest, std::abs(u[k]));
+  PetscCall(discretization_.restore_local(&local, &u));
+  PetscCall(sum_over_ranks(discretization_.mesh().dm, &sums));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &stiffness, 1, MPI_DOUBLE, MPI_SUM, comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &largest, 1, MPI_DOUBLE, MPI_MAX, comm));
+  const double rounding = PETSC_MACHINE_EPSILON * largest;
+  *scale = std::max(sums.scale, resolved * stiffness * rounding * rounding);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -62,29 +89,11 @@ PetscErrorCode EnergyFunctional::energy_changes(Vec x, PetscInt directions, cons
 }
 
 PetscErrorCode EnergyFunctional::energy_at_rest(double *energy) const {
-  EnergySums sums;
+  const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(discretization_.mesh().dm));
   PetscFunctionBeginUser;
-  const std::vector<double> u(discretization_.mesh().coordinates.size(), 0);
-  for (const auto &term : terms_) {
-    if (term->has_cells()) PetscCall(term->add_energy(u.data(), &sums));
-  }
-  PetscCall(sum_over_ranks(discretization_.mesh().dm, &sums));
-  *energy = sums.energy;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode EnergyFunctional::energy_of_cells(Vec x, double *energy) const {
-  Vec local = nullptr;
-  const PetscScalar *u = nullptr;
-  EnergySums sums;
-  PetscFunctionBeginUser;
-  PetscCall(discretization_.get_local(x, &local, &u));
-  for (const auto &term : terms_) {
-    if (term->has_cells()) PetscCall(term->add_energy(u, &sums));
-  }
-  PetscCall(discretization_.restore_local(&local, &u));
-  PetscCall(sum_over_ranks(discretization_.mesh().dm, &sums));
-  *energy = sums.energy;
+  *energy = 0;
+  for (const auto &term : terms_) *energy += term->rest_energy();
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, energy, 1, MPI_DOUBLE, MPI_SUM, comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -23,17 +23,17 @@ class EnergyFunctional {
 
   void add_term(std::unique_ptr<Term> term) { terms_.push_back(std::move(term)); }
 
-  /// f(x) and its size free of rest offsets (see EnergySums). Collective.
+  /// f(x) and its parts, less energy_at_rest(). Collective.
   PetscErrorCode energy(Vec x, EnergySums *sums) const;
+  /// The size of the energy at x: EnergySums::scale, but no less than what rounding leaves any
+  /// digits of. Collective.
+  PetscErrorCode size_of_energy(Vec x, double *scale) const;
   /// f(x + sum_k c_k d_k) - f(x) at `points` rows c of coefficients, one for each of `directions`
   /// (one or two) vectors d. Collective.
   PetscErrorCode energy_changes(Vec x, PetscInt directions, const Vec d[], PetscInt points,
                                 const PetscReal coefficients[], PetscReal changes[]) const;
-  /// The energy of the undeformed body, held dofs at rest as well: that of its cells. Collective.
+  /// The sum of psi(I) V: a constant that reported energies have in addition. Collective.
   PetscErrorCode energy_at_rest(double *energy) const;
-  /// Of the terms with cells alone: what strain has stored, and that of the undeformed body.
-  /// Collective.
-  PetscErrorCode energy_of_cells(Vec x, double *energy) const;
   /// The elements of the first term that has cells, in packs; null where there are none.
   [[nodiscard]] const PackedElements *cells() const;
   /// The gradient of f, for the unknowns. Collective.

@@ -60,11 +60,8 @@ PetscErrorCode mass_proxy(SNES, Mat P, void *ctx) {
 }
 
 PetscErrorCode energy_scale(SNES, Vec x, PetscReal *scale, void *ctx) {
-  EnergySums sums;
   PetscFunctionBeginUser;
-  PetscCall(static_cast<EnergyFunctional *>(ctx)->energy(x, &sums));
-  // A body at rest has no energy to compare with; strains of 1e-9 count as rest.
-  *scale = std::max(sums.scale, 1e-18 * sums.stiffness);
+  PetscCall(static_cast<EnergyFunctional *>(ctx)->size_of_energy(x, scale));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -74,7 +71,10 @@ PetscErrorCode EnergyFunctional::attach(SNES snes, Mat H, Assembly assembly) {
   const bool whole = std::any_of(terms_.begin(), terms_.end(), [](const auto &term) {
     return term->batch() && term->batch()->filter_space() == FilterSpace::element;
   });
+  double at_rest = 0;
   PetscFunctionBeginUser;
+  PetscCall(energy_at_rest(&at_rest));
+  PetscCall(TrefoilSNESSetEnergyOffset(snes, at_rest));
   hessian_.go_one_by_one(assembly != Assembly::split);
   PetscCall(SNESSetObjective(snes, objective, this));
   PetscCall(SNESSetFunction(snes, nullptr, residual, this));

@@ -66,59 +66,57 @@ struct Kernels {
     }
   };
 
-  /// sum_k U_k G_k', the gradient of displacements.
+  /// H = sum_k U_k G_k'.
   static void displacement_gradient(const Real (&U)[modes][dim], const Real (&G)[modes][dim],
-                                    Real (&gradient)[dim][dim]) {
+                                    Real (&H)[dim][dim]) {
     for (int i = 0; i < dim; ++i) {
       for (int j = 0; j < dim; ++j) {
         Real sum = U[0][i] * G[0][j];
         for (int k = 1; k < modes; ++k) sum += U[k][i] * G[k][j];
-        gradient[i][j] = sum;
+        H[i][j] = sum;
       }
     }
   }
 
-  /// F = I + sum_k U_k G_k', as PackedFunctions takes it; in the plane F_33 = 1.
-  static void deformation_gradient(const Real (&U)[modes][dim], const Real (&G)[modes][dim],
-                                   double *F) {
-    Real gradient[dim][dim];
-    displacement_gradient(U, G, gradient);
+  /// The same as PackedFunctions takes it; in the plane nothing moves in the third direction.
+  static void displacement_gradient(const Real (&U)[modes][dim], const Real (&G)[modes][dim],
+                                    double *H) {
+    Real in_plane[dim][dim];
+    displacement_gradient(U, G, in_plane);
     for (int i = 0; i < 3; ++i) {
       for (int j = 0; j < 3; ++j) {
-        const double identity = i == j ? 1.0 : 0.0;
-        const Real entry =
-            i < dim && j < dim ? gradient[i % dim][j % dim] + identity : Real(identity);
-        entry.store(F + lanes * (3 * i + j));
+        const Real entry = i < dim && j < dim ? in_plane[i % dim][j % dim] : Real(0.0);
+        entry.store(H + lanes * (3 * i + j));
       }
     }
   }
 
-  /// Calls work(weight, F) at every point of the packs.
+  /// Calls work(weight, H) at every point of the packs.
   template <class Work>
   static void at_points(const ElementPacks &packed, PetscInt first, PetscInt count, const double *u,
                         const Work &work) {
     Real U[modes][dim], G[modes][dim];
-    alignas(64) double F[9 * lanes];
+    alignas(64) double H[9 * lanes];
     for (PetscInt pack = first; pack < first + count; ++pack) {
       const Elements elements(packed, pack);
       elements.displacements(u, U);
       for (int q = 0; q < points; ++q) {
         elements.gradients(q, G);
-        deformation_gradient(U, G, F);
-        work(elements.weight(q), F);
+        displacement_gradient(U, G, H);
+        work(elements.weight(q), H);
       }
     }
   }
 
   static void energy(const MaterialModel &material, const ElementPacks &packed, PetscInt first,
-                     PetscInt count, const double *u, double rest_density, double *sums) {
+                     PetscInt count, const double *u, double *sums) {
     Real energy, scale;
     alignas(64) double psi[lanes];
-    at_points(packed, first, count, u, [&](const Real &weight, const double *F) {
-      material.energy_densities(F, psi);
+    at_points(packed, first, count, u, [&](const Real &weight, const double *H) {
+      material.energy_densities(H, psi);
       const Real density = Real::load(psi);
       energy += density * weight;
-      scale += abs(density - rest_density) * weight;
+      scale += abs(density) * weight;
     });
     sums[0] += energy.sum();
     sums[1] += scale.sum();
@@ -129,24 +127,24 @@ struct Kernels {
                              const double *const *d, int samples, const double *coefficients,
                              double *changes) {
     Real U[3][modes][dim], G[modes][dim];
-    alignas(64) double F[9 * lanes], moved[9 * lanes], psi[lanes];
+    alignas(64) double H[9 * lanes], moved[9 * lanes], psi[lanes];
     for (PetscInt pack = first; pack < first + count; ++pack) {
       const Elements elements(packed, pack);
       elements.displacements(u, U[2]);
       for (int k = 0; k < directions; ++k) elements.displacements(d[k], U[k]);
       for (int q = 0; q < points; ++q) {
         elements.gradients(q, G);
-        deformation_gradient(U[2], G, F);
+        displacement_gradient(U[2], G, H);
         Real step[2][dim][dim];
         for (int k = 0; k < directions; ++k) displacement_gradient(U[k], G, step[k]);
-        material.energy_densities(F, psi);
+        material.energy_densities(H, psi);
         const Real before = Real::load(psi), weight = elements.weight(q);
-        std::copy_n(F, 9 * lanes, moved);
+        std::copy_n(H, 9 * lanes, moved);
         for (int sample = 0; sample < samples; ++sample) {
           const double *c = coefficients + directions * sample;
           for (int i = 0; i < dim; ++i) {
             for (int j = 0; j < dim; ++j) {
-              Real sum = Real::load(F + lanes * (3 * i + j));
+              Real sum = Real::load(H + lanes * (3 * i + j));
               for (int k = 0; k < directions; ++k) sum += c[k] * step[k][i][j];
               sum.store(moved + lanes * (3 * i + j));
             }
@@ -161,15 +159,15 @@ struct Kernels {
   static void forces(const MaterialModel &material, const ElementPacks &packed, PetscInt first,
                      PetscInt count, const double *u, double *forces) {
     Real U[modes][dim], G[modes][dim];
-    alignas(64) double F[9 * lanes], P[9 * lanes];
+    alignas(64) double H[9 * lanes], P[9 * lanes];
     for (PetscInt pack = first; pack < first + count; ++pack) {
       const Elements elements(packed, pack);
       elements.displacements(u, U);
       Real reduced[dim][modes];
       for (int q = 0; q < points; ++q) {
         elements.gradients(q, G);
-        deformation_gradient(U, G, F);
-        material.stresses(F, P);
+        displacement_gradient(U, G, H);
+        material.stresses(H, P);
         const Real weight = elements.weight(q);
         for (int i = 0; i < dim; ++i) {
           Real stress[dim];
@@ -194,8 +192,8 @@ struct Kernels {
   static void tangents(const MaterialModel &material, const ElementPacks &packed, PetscInt first,
                        PetscInt count, const double *u, double *A) {
     alignas(64) double full[81 * lanes];
-    at_points(packed, first, count, u, [&](const Real &, const double *F) {
-      material.tangents(F, full);
+    at_points(packed, first, count, u, [&](const Real &, const double *H) {
+      material.tangents(H, full);
       for (int r = 0; r < tangent_rows; ++r) {
         for (int c = 0; c <= r; ++c, A += lanes) {
           const int row = 3 * (r / dim) + r % dim, column = 3 * (c / dim) + c % dim;
@@ -260,12 +258,12 @@ struct Kernels {
   static void hessians_of_constant_strain(const MaterialModel &material, const ElementPacks &packed,
                                           PetscInt pack, const double *u, double *K) {
     Real U[modes][dim], G[modes][dim];
-    alignas(64) double F[9 * lanes], A[81 * lanes];
+    alignas(64) double H[9 * lanes], A[81 * lanes];
     const Elements elements(packed, pack);
     elements.displacements(u, U);
     elements.gradients(0, G);
-    deformation_gradient(U, G, F);
-    material.tangents(F, A);
+    displacement_gradient(U, G, H);
+    material.tangents(H, A);
     const Real weight = elements.weight(0);
 #pragma GCC unroll 3
     for (int k = 0; k < modes; ++k) {

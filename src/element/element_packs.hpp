@@ -58,9 +58,9 @@ ElementPacks pack_elements(const ReferenceElement &reference, std::span<const Pe
 /// arrays, 3 numbers a local vertex. Matrices in packs are lower triangles, entry e of lane l of
 /// matrix p at (entries p + e) * 8 + l, p from 0.
 struct ElementKernels {
-  /// Adds sum psi w to sums[0] and sum |psi - rest_density| w to sums[1].
+  /// Adds sum psi w to sums[0] and sum |psi| w to sums[1], psi less psi(I).
   void (*energy)(const MaterialModel &material, const ElementPacks &elements, PetscInt first,
-                 PetscInt count, const double *u, double rest_density, double *sums);
+                 PetscInt count, const double *u, double *sums);
   /// Adds sum w (psi(u + sum_k c_k d_k) - psi(u)) to changes[p] for each of `samples` rows c of
   /// coefficients, one for each of `directions` (one or two) local arrays d. One pass.
   void (*energy_changes)(const MaterialModel &material, const ElementPacks &elements,

@@ -41,15 +41,14 @@ double IsoparametricElement::least_jacobian() const {
   return *std::min_element(weights_, weights_ + reference_.points) / weight;
 }
 
-Matrix3<double> IsoparametricElement::deformation_gradient(int q, const double *u) const {
-  Matrix3<double> F;
-  for (int i = 0; i < 3; ++i) F(i, i) = 1;
+Matrix3<double> IsoparametricElement::displacement_gradient(int q, const double *u) const {
+  Matrix3<double> H;
   for (int i = 0; i < reference_.dimension; ++i) {
     for (int j = 0; j < reference_.dimension; ++j) {
-      for (int a = 0; a < reference_.nodes; ++a) F(i, j) += u[3 * a + i] * gradients_[q][a][j];
+      for (int a = 0; a < reference_.nodes; ++a) H(i, j) += u[3 * a + i] * gradients_[q][a][j];
     }
   }
-  return F;
+  return H;
 }
 
 void IsoparametricElement::add_force(int q, const Matrix3<double> &P, double *force) const {

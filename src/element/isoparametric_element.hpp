@@ -24,8 +24,8 @@ class IsoparametricElement {
   /// The least Jacobian determinant at the quadrature points.
   [[nodiscard]] double least_jacobian() const;
 
-  /// F = I + sum_a u_a g_a' at point q.
-  [[nodiscard]] Matrix3<double> deformation_gradient(int q, const double *u) const;
+  /// The displacement gradient H = F - I = sum_a u_a g_a' at point q.
+  [[nodiscard]] Matrix3<double> displacement_gradient(int q, const double *u) const;
   /// Adds w_q P g_a to each node's force.
   void add_force(int q, const Matrix3<double> &P, double *force) const;
   /// Adds w_q sum_jl g_a[j] (dP_ij/dF_kl) g_b[l] to entry (dim a + i, dim b + k) of the Hessian of

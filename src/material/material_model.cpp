@@ -5,11 +5,11 @@
 namespace trefoil {
 namespace {
 
-/// The result of a packed function for one deformation gradient, which all lanes share.
+/// The result of a packed function for one deformation, which all lanes share.
 template <std::size_t size, class Function>
-std::array<double, size> in_one_lane(const Matrix3<double> &F, const Function &function) {
+std::array<double, size> in_one_lane(const Matrix3<double> &H, const Function &function) {
   alignas(64) double copies[9 * lanes], results[size * lanes];
-  for (std::size_t k = 0; k < 9; ++k) std::fill_n(copies + lanes * k, lanes, F.entries[k]);
+  for (std::size_t k = 0; k < 9; ++k) std::fill_n(copies + lanes * k, lanes, H.entries[k]);
   function(copies, results);
   std::array<double, size> result;
   for (std::size_t k = 0; k < size; ++k) result[k] = results[lanes * k];
@@ -18,16 +18,20 @@ std::array<double, size> in_one_lane(const Matrix3<double> &F, const Function &f
 
 }  // namespace
 
-double MaterialModel::energy_density(const Matrix3<double> &F) const {
-  return in_one_lane<1>(F, [this](const double *in, double *psi) { energy_densities(in, psi); })[0];
+double MaterialModel::energy_density(const Matrix3<double> &H) const {
+  return in_one_lane<1>(H, [this](const double *in, double *psi) { energy_densities(in, psi); })[0];
 }
 
-Matrix3<double> MaterialModel::stress(const Matrix3<double> &F) const {
-  return {in_one_lane<9>(F, [this](const double *in, double *P) { stresses(in, P); })};
+Matrix3<double> MaterialModel::stress(const Matrix3<double> &H) const {
+  return {in_one_lane<9>(H, [this](const double *in, double *P) { stresses(in, P); })};
 }
 
-void MaterialModel::tangent(const Matrix3<double> &F, Tangent<double> &A) const {
-  A = in_one_lane<81>(F, [this](const double *in, double *out) { tangents(in, out); });
+Matrix3<double> MaterialModel::cauchy_stress(const Matrix3<double> &H) const {
+  return trefoil::cauchy_stress(Deformation<double>(H), stress(H));
+}
+
+void MaterialModel::tangent(const Matrix3<double> &H, Tangent<double> &A) const {
+  A = in_one_lane<81>(H, [this](const double *in, double *out) { tangents(in, out); });
 }
 
 }  // namespace trefoil

@@ -1,6 +1,7 @@
 #include "trefoil/material_registry.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <sstream>
 #include <tuple>
 #include <utility>
@@ -75,6 +76,20 @@ void check_parameters(const std::string &name, const MaterialParameters &paramet
     throw InputError("material model " + name +
                      " has no term in the second invariant; leave `second_invariant` out");
   }
+}
+
+void check_rest(const std::string &name, const MaterialModel &model) {
+  const Matrix3<double> at_rest;
+  Tangent<double> A;
+  double stiffness = 0;
+  model.tangent(at_rest, A);
+  for (std::size_t p = 0; p < 9; ++p) stiffness += std::abs(A[10 * p]);
+  const double energy_density = model.energy_density(at_rest);
+  if (std::abs(energy_density) <= 1e-14 * stiffness) return;
+  throw InputError(with_number(("material model " + name + " has the energy density ").c_str(),
+                               energy_density,
+                               " at rest, where it must be 0; leave that out of energy_density() "
+                               "and return it from rest_energy_density()"));
 }
 
 double MaterialParameters::volume_weight(const std::string &material, double suggested) const {

@@ -6,12 +6,10 @@
 namespace trefoil {
 namespace {
 
-/// The material of a pack whose lanes have several. Its energy density is counted from each lane's
-/// own rest density.
+/// The material of a pack whose lanes have several.
 struct MixedMaterial {
   struct Part {
     const MaterialModel *material = nullptr;
-    double rest_density = 0;
     std::array<bool, lanes> owns{};  ///< which lanes are of this material
   };
   std::vector<Part> parts;
@@ -29,27 +27,53 @@ struct MixedMaterial {
       }
     }
   }
-  static void energy_densities(const void *mixed, const double *F, double *psi) {
-    collect<1>(mixed, psi, [F](const Part &part, double *values) {
-      part.material->energy_densities(F, values);
-      for (int lane = 0; lane < lanes; ++lane) values[lane] -= part.rest_density;
+  static void energy_densities(const void *mixed, const double *H, double *psi) {
+    collect<1>(mixed, psi, [&](const Part &part, double *values) {
+      part.material->energy_densities(H, values);
     });
   }
-  static void stresses(const void *mixed, const double *F, double *P) {
+  static void stresses(const void *mixed, const double *H, double *P) {
     collect<9>(mixed, P,
-               [F](const Part &part, double *values) { part.material->stresses(F, values); });
+               [&](const Part &part, double *values) { part.material->stresses(H, values); });
   }
-  static void tangents(const void *mixed, const double *F, double *A) {
+  static void tangents(const void *mixed, const double *H, double *A) {
     collect<81>(mixed, A,
-                [F](const Part &part, double *values) { part.material->tangents(F, values); });
+                [&](const Part &part, double *values) { part.material->tangents(H, values); });
+  }
+  static void distortional_energies(const void *mixed, const double *H, double *W) {
+    collect<1>(mixed, W, [&](const Part &part, double *values) {
+      part.material->distortional_energies(H, values);
+    });
+  }
+  static void stresses_at_pressure(const void *mixed, const double *H, const double *p, double *P) {
+    collect<9>(mixed, P, [&](const Part &part, double *values) {
+      part.material->stresses_at_pressure(H, p, values);
+    });
+  }
+  static void tangents_at_pressure(const void *mixed, const double *H, const double *p, double *A) {
+    collect<81>(mixed, A, [&](const Part &part, double *values) {
+      part.material->tangents_at_pressure(H, p, values);
+    });
+  }
+  static void volumetric_laws(const void *mixed, const double *J_minus_1, double *law) {
+    collect<3>(mixed, law, [&](const Part &part, double *values) {
+      part.material->volumetric_laws(J_minus_1, values);
+    });
   }
 };
 
 std::unique_ptr<MaterialModel> make_mixed_model(std::vector<MixedMaterial::Part> parts) {
+  PackedFunctions functions{MixedMaterial::energy_densities, MixedMaterial::stresses,
+                            MixedMaterial::tangents};
+  if (std::all_of(parts.begin(), parts.end(),
+                  [](const auto &part) { return part.material->splits_volume(); })) {
+    functions.distortional_energy = MixedMaterial::distortional_energies;
+    functions.stress_at_pressure = MixedMaterial::stresses_at_pressure;
+    functions.tangent_at_pressure = MixedMaterial::tangents_at_pressure;
+    functions.volumetric_law = MixedMaterial::volumetric_laws;
+  }
   return std::make_unique<MaterialModel>(
-      PackedFunctions{MixedMaterial::energy_densities, MixedMaterial::stresses,
-                      MixedMaterial::tangents},
-      std::make_shared<MixedMaterial>(MixedMaterial{std::move(parts)}));
+      functions, std::make_shared<MixedMaterial>(MixedMaterial{std::move(parts)}));
 }
 
 }  // namespace
@@ -57,8 +81,8 @@ std::unique_ptr<MaterialModel> make_mixed_model(std::vector<MixedMaterial::Part>
 MaterialRuns::MaterialRuns(std::unique_ptr<MaterialModel> material, PetscInt cells)
     : cells_(cells) {
   materials_.push_back(std::move(material));
-  describe_rest();
-  runs_.push_back({0, (cells + lanes - 1) / lanes, materials_[0].get(), rest_densities_[0], false});
+  find_stiffnesses();
+  runs_.push_back({0, (cells + lanes - 1) / lanes, materials_[0].get()});
 }
 
 MaterialRuns::MaterialRuns(std::vector<std::unique_ptr<MaterialModel>> materials,
@@ -66,7 +90,7 @@ MaterialRuns::MaterialRuns(std::vector<std::unique_ptr<MaterialModel>> materials
     : materials_(std::move(materials)),
       cells_(static_cast<PetscInt>(material_of_cell.size())),
       material_of_cell_(std::move(material_of_cell)) {
-  describe_rest();
+  find_stiffnesses();
   make_runs();
 }
 
@@ -78,16 +102,14 @@ MaterialRuns MaterialRuns::by_stiffness(
   return {std::move(others), material_of_cell_};
 }
 
-void MaterialRuns::describe_rest() {
-  Matrix3<double> identity;
-  for (int i = 0; i < 3; ++i) identity(i, i) = 1;
+void MaterialRuns::find_stiffnesses() {
+  const Matrix3<double> at_rest;
   for (const auto &material : materials_) {
     Tangent<double> tangent;
-    material->tangent(identity, tangent);
+    material->tangent(at_rest, tangent);
     double trace = 0;
     for (std::size_t p = 0; p < 9; ++p) trace += tangent[10 * p];
     stiffness_.push_back(trace / 9);
-    rest_densities_.push_back(material->energy_density(identity));
   }
 }
 
@@ -101,17 +123,17 @@ void MaterialRuns::make_runs() {
       auto part = std::find_if(parts.begin(), parts.end(),
                                [&](const auto &each) { return each.material == material; });
       if (part == parts.end()) {
-        part = parts.insert(part, {material, rest_density_of(cell), {}});
+        part = parts.insert(part, {material, {}});
       }
       part->owns[static_cast<std::size_t>(lane)] = true;
     }
     if (parts.size() > 1) {
       mixed_.push_back(make_mixed_model(std::move(parts)));
-      runs_.push_back({pack, 1, mixed_.back().get(), 0, true});
+      runs_.push_back({pack, 1, mixed_.back().get()});
     } else if (!runs_.empty() && runs_.back().material == parts[0].material) {
       ++runs_.back().count;
     } else {
-      runs_.push_back({pack, 1, parts[0].material, parts[0].rest_density, false});
+      runs_.push_back({pack, 1, parts[0].material});
     }
   }
 }

@@ -25,9 +25,6 @@ class MaterialRuns {
   struct Run {
     PetscInt first = 0, count = 0;  ///< packs
     const MaterialModel *material = nullptr;
-    /// psi(I); 0 in a mixed run, whose model counts each cell's psi from its own psi(I).
-    double rest_density = 0;
-    bool is_mixed = false;
   };
 
   /// Calls visit(run) for the runs that make up packs [first, first + count), in order.
@@ -46,12 +43,9 @@ class MaterialRuns {
   [[nodiscard]] MaterialRuns by_stiffness(
       const std::function<std::unique_ptr<MaterialModel>(double stiffness)> &make) const;
 
-  /// What a cell is made of, and its psi(I).
+  /// What a cell is made of.
   [[nodiscard]] const MaterialModel &of_cell(PetscInt cell) const {
     return *materials_[position_of(cell)];
-  }
-  [[nodiscard]] double rest_density_of(PetscInt cell) const {
-    return rest_densities_[position_of(cell)];
   }
   /// Mean of the diagonal of dP/dF at rest: the stiffness of a cell's material, force per area.
   [[nodiscard]] double stiffness_of(PetscInt cell) const { return stiffness_[position_of(cell)]; }
@@ -63,13 +57,13 @@ class MaterialRuns {
                ? 0
                : static_cast<std::size_t>(material_of_cell_[static_cast<std::size_t>(cell)]);
   }
-  void describe_rest();
+  void find_stiffnesses();
   void make_runs();
 
   std::vector<std::unique_ptr<MaterialModel>> materials_;
   PetscInt cells_ = 0;
   std::vector<int> material_of_cell_;  ///< empty: all have the first
-  std::vector<double> rest_densities_, stiffness_;
+  std::vector<double> stiffness_;
   std::vector<std::unique_ptr<MaterialModel>> mixed_;
   std::vector<Run> runs_;
 };

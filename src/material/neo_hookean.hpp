@@ -3,8 +3,9 @@
 #include <limits>
 
 #include "material/library_material.hpp"
+#include "trefoil/log1pmx.hpp"
 #include "trefoil/material.hpp"
-#include "trefoil/tangent_terms.hpp"
+#include "trefoil/split_material.hpp"
 
 namespace trefoil {
 
@@ -13,6 +14,8 @@ namespace trefoil {
 ///   psi(F) = mu/2 (F:F - 3) - mu log J + lambda/2 (log J)^2,   J = det F,
 /// with Lame's mu and lambda, so that small strains obey E and nu. psi is +infinity at J <= 0,
 /// where stress and tangent mean nothing.
+///
+/// Volumetric: U(J) = -mu (log J - (J - 1)) + lambda/2 (log J)^2; W = mu/2 (F:F - 3) - mu (J - 1).
 class NeoHookean : public LibraryMaterial<NeoHookean> {
  public:
   static constexpr const char *name = "neo_hookean";
@@ -20,36 +23,79 @@ class NeoHookean : public LibraryMaterial<NeoHookean> {
   explicit NeoHookean(const MaterialParameters &parameters)
       : mu_(parameters.constants.mu()), lambda_(parameters.nonnegative_lambda(name)) {}
 
+  /// (F:F - 3)/2 - log J = ((F:F - 3)/2 - (J - 1)) - (log J - (J - 1)): at small strains the parts
+  /// are of second order, at large ones J itself would drown them.
   template <class Real>
-  Real energy_density(const Matrix3<Real> &F) const {
-    const Real J = determinant(F), log_J = log(J);
-    return select(J <= Real(0.0), Real(std::numeric_limits<double>::infinity()),
-                  0.5 * mu_ * (squared_norm(F) - 3.0) + (0.5 * lambda_ * log_J - mu_) * log_J);
+  Real energy_density(const Deformation<Real> &deformation) const {
+    constexpr double small = 0.5;
+    const Real J_minus_1 = deformation.J_minus_1();
+    const auto [log_J, difference] = logarithm(J_minus_1);
+    const Real balanced =
+        select(abs(J_minus_1) < Real(small), 0.5 * deformation.I1_distortion() - difference,
+               0.5 * deformation.I1_minus_3() - log_J);
+    return select(deformation.J() <= Real(0.0), Real(std::numeric_limits<double>::infinity()),
+                  mu_ * balanced + 0.5 * lambda_ * log_J * log_J);
   }
 
-  /// P = mu F + (lambda log J - mu) F^-T,  F^-T = cof F / J.
+  /// P = mu (F - F^-T) + lambda log J F^-T.
   template <class Real>
-  Matrix3<Real> stress(const Matrix3<Real> &F) const {
-    const Real J = determinant(F), pressure = (lambda_ * log(J) - mu_) / J;
-    Matrix3<Real> P = cofactor(F);
-    for (std::size_t k = 0; k < 9; ++k) P.entries[k] = mu_ * F.entries[k] + pressure * P.entries[k];
+  Matrix3<Real> stress(const Deformation<Real> &deformation) const {
+    const Matrix3<Real> L = deformation.inverse_transpose_minus_identity(), &H = deformation.H();
+    const Real pressure = lambda_ * logarithm(deformation.J_minus_1()).log1p;
+    Matrix3<Real> P;
+    for (std::size_t k = 0; k < 9; ++k) {
+      P.entries[k] = mu_ * (H.entries[k] - L.entries[k]) + pressure * L.entries[k];
+    }
+    for (int i = 0; i < 3; ++i) P(i, i) = P(i, i) + pressure;
     return P;
   }
 
   /// dP/dF = mu I + (lambda - (lambda log J - mu)) / J^2 cof F (x) cof F
   ///         + (lambda log J - mu) / J d(cof F)/dF.
   template <class Real>
-  void tangent(const Matrix3<Real> &F, Tangent<Real> &A) const {
-    const Real J = determinant(F), slope = lambda_ * log(J) - mu_;
-    set_square((lambda_ - slope) / (J * J), cofactor(F), A);
+  void tangent(const Deformation<Real> &deformation, Tangent<Real> &A) const {
+    const Real J = deformation.J();
+    const Real slope = lambda_ * logarithm(deformation.J_minus_1()).log1p - mu_;
+    set_square((lambda_ - slope) / (J * J), deformation.cofactor(), A);
     add_identity(mu_, A);
-    add_cofactor_derivative(slope / J, F, A);
+    add_cofactor_derivative(slope / J, deformation.F(), A);
+  }
+
+  /// U' = mu (1 - 1/J) + lambda log J / J,  U'' = (mu + lambda (1 - log J)) / J^2.
+  template <class Real>
+  VolumetricLaw<Real> volumetric_law(const Real &J_minus_1) const {
+    const Real J = 1.0 + J_minus_1;
+    const auto [log_J, difference] = logarithm(J_minus_1);
+    return {select(J <= Real(0.0), Real(std::numeric_limits<double>::infinity()),
+                   0.5 * lambda_ * log_J * log_J - mu_ * difference),
+            (mu_ * J_minus_1 + lambda_ * log_J) / J, (mu_ + lambda_ - lambda_ * log_J) / (J * J)};
+  }
+
+  template <class Real>
+  Real distortional_energy(const Deformation<Real> &deformation) const {
+    return 0.5 * mu_ * deformation.I1_distortion();
+  }
+
+  /// mu (F - cof F) + p cof F.
+  template <class Real>
+  Matrix3<Real> stress_at_pressure(const Deformation<Real> &deformation, const Real &p) const {
+    const Matrix3<Real> D = deformation.F_minus_cofactor(), C = deformation.cofactor();
+    Matrix3<Real> P;
+    for (std::size_t k = 0; k < 9; ++k) P.entries[k] = mu_ * D.entries[k] + p * C.entries[k];
+    return P;
+  }
+
+  template <class Real>
+  void add_tangent_at_pressure(const Deformation<Real> &deformation, const Real &p,
+                               Tangent<Real> &A) const {
+    add_identity(mu_, A);
+    add_cofactor_derivative(p - mu_, deformation.F(), A);
   }
 
  private:
   double mu_, lambda_;
 };
 
-static_assert(SceneMaterial<NeoHookean>);
+static_assert(SceneMaterial<NeoHookean> && VolumeSplittingMaterial<NeoHookean>);
 
 }  // namespace trefoil

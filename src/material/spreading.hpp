@@ -15,21 +15,17 @@ class HarmonicSpreading : public LibraryMaterial<HarmonicSpreading> {
   explicit HarmonicSpreading(double stiffness) : stiffness_(stiffness) {}
 
   template <class Real>
-  Real energy_density(const Matrix3<Real> &F) const {
-    Matrix3<Real> strain = F;
-    for (int i = 0; i < 3; ++i) strain(i, i) = strain(i, i) - 1.0;
-    return 0.5 * stiffness_ * squared_norm(strain);
+  Real energy_density(const Deformation<Real> &deformation) const {
+    return 0.5 * stiffness_ * squared_norm(deformation.H());
   }
   template <class Real>
-  Matrix3<Real> stress(const Matrix3<Real> &F) const {
-    Matrix3<Real> P;
-    for (int i = 0; i < 3; ++i) {
-      for (int j = 0; j < 3; ++j) P(i, j) = stiffness_ * (F(i, j) - (i == j ? 1.0 : 0.0));
-    }
+  Matrix3<Real> stress(const Deformation<Real> &deformation) const {
+    Matrix3<Real> P = deformation.H();
+    for (Real &entry : P.entries) entry = stiffness_ * entry;
     return P;
   }
   template <class Real>
-  void tangent(const Matrix3<Real> &, Tangent<Real> &A) const {
+  void tangent(const Deformation<Real> &, Tangent<Real> &A) const {
     for (std::size_t p = 0; p < 81; ++p) A[p] = Real(p % 10 == 0 ? stiffness_ : 0.0);
   }
 
@@ -44,27 +40,22 @@ class RigidSpreading : public LibraryMaterial<RigidSpreading> {
   explicit RigidSpreading(double stiffness) : stiffness_(stiffness) {}
 
   template <class Real>
-  Real energy_density(const Matrix3<Real> &F) const {
-    return 0.5 * stiffness_ * squared_norm(difference(F));
+  Real energy_density(const Deformation<Real> &deformation) const {
+    return 0.5 * stiffness_ * squared_norm(PolarDecomposition(deformation).biot_strain);
   }
   template <class Real>
-  Matrix3<Real> stress(const Matrix3<Real> &F) const {
-    Matrix3<Real> P = difference(F);
+  Matrix3<Real> stress(const Deformation<Real> &deformation) const {
+    const PolarDecomposition<Real> polar(deformation);
+    Matrix3<Real> P = product(polar.rotation, polar.biot_strain);
     for (Real &entry : P.entries) entry = stiffness_ * entry;
     return P;
   }
   template <class Real>
-  void tangent(const Matrix3<Real> &, Tangent<Real> &A) const {
+  void tangent(const Deformation<Real> &, Tangent<Real> &A) const {
     for (std::size_t p = 0; p < 81; ++p) A[p] = Real(p % 10 == 0 ? stiffness_ : 0.0);
   }
 
  private:
-  template <class Real>
-  static Matrix3<Real> difference(const Matrix3<Real> &F) {
-    Matrix3<Real> D = rotation_of(F);
-    for (std::size_t p = 0; p < 9; ++p) D.entries[p] = F.entries[p] - D.entries[p];
-    return D;
-  }
   double stiffness_;
 };
 

@@ -10,6 +10,7 @@
 #include <limits>
 
 #include "element/isoparametric_element.hpp"
+#include "trefoil/deformation.hpp"
 #include "trefoil/polar.hpp"
 
 namespace trefoil {
@@ -27,22 +28,6 @@ IsoparametricElement element_of(const Mesh &mesh, std::size_t cell) {
 
 void add(double factor, const Matrix3<double> &A, Matrix3<double> &sum) {
   for (std::size_t k = 0; k < 9; ++k) sum.entries[k] += factor * A.entries[k];
-}
-
-/// A B', or A'B, divided by a number.
-Matrix3<double> product(const Matrix3<double> &A, const Matrix3<double> &B, bool second_transposed,
-                        double divisor) {
-  Matrix3<double> C;
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) {
-      double sum = 0;
-      for (int k = 0; k < 3; ++k) {
-        sum += second_transposed ? A(i, k) * B(j, k) : A(k, i) * B(k, j);
-      }
-      C(i, j) = sum / divisor;
-    }
-  }
-  return C;
 }
 
 }  // namespace
@@ -70,18 +55,15 @@ void CellStates::visit(
     state.least_determinant = std::numeric_limits<double>::infinity();
     for (int q = 0; q < element.reference().points; ++q) {
       const double weight = element.weight(q);
-      const Matrix3<double> F = element.deformation_gradient(q, displacement),
-                            P = material.stress(F);
-      const double J = determinant(F);
-      Matrix3<double> green = product(F, F, false, 2);
-      for (int i = 0; i < 3; ++i) green(i, i) -= 0.5;
+      const Deformation<double> deformation(element.displacement_gradient(q, displacement));
+      const double J = deformation.J();
       state.volume += weight;
       state.deformed_volume += weight * J;
       state.least_determinant = std::min(state.least_determinant, J);
-      add(weight, F, state.F);
-      add(weight, P, state.first_piola);
-      add(weight, product(P, F, true, J), state.cauchy);
-      add(weight, green, state.green_lagrange);
+      add(weight, deformation.F(), state.F);
+      add(weight, material.stress(deformation.H()), state.first_piola);
+      add(weight, material.cauchy_stress(deformation.H()), state.cauchy);
+      add(weight, deformation.green_strain(), state.green_lagrange);
     }
     for (Matrix3<double> *mean :
          {&state.F, &state.first_piola, &state.cauchy, &state.green_lagrange}) {

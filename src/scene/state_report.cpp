@@ -128,15 +128,14 @@ PetscErrorCode describe_state(Scene &scene, double t, StateReport *state) {
   PetscCall(look_at_cells(scene, u, state));
   PetscCall(scene.probes.report(u, &state->probes));
   PetscCall(scene.discretization.restore_local(&local, &u));
+  state->energy = sums.energy + energy_rest;
+  state->strain_energy = sums.strain_energy;
   if (scene.motion) {  // there is inertia in the sums
     MotionReport motion;
-    PetscCall(scene.functional->energy_of_cells(scene.displacement, &sums.energy));
-    sums.energy -= state->load_work;
     PetscCall(scene.motion->report(&motion));
     state->motion = motion;
+    state->energy = energy_rest + sums.strain_energy - state->load_work;
   }
-  state->energy = sums.energy;
-  state->strain_energy = sums.energy - energy_rest + state->load_work;
   state->loads.clear();
   for (const LoadReport &load : loads) state->loads.push_back(load.resultant);
   PetscFunctionReturn(PETSC_SUCCESS);

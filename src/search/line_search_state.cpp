@@ -9,11 +9,6 @@
 namespace trefoil {
 namespace {
 
-/// Differences of energies below this are rounding: a sum over many elements of terms of f's size.
-double energy_noise(const LineSearchState &state) {
-  return 8 * PETSC_MACHINE_EPSILON * std::max(std::abs(state.energy), std::abs(state.trial_energy));
-}
-
 /// The slope g(x + s d)'d at a point of the line.
 PetscErrorCode slope_at(LineSearchState &state, double s, double *slope) {
   Vec point = nullptr, residual = nullptr;
@@ -49,6 +44,13 @@ PetscErrorCode integrate_slope(LineSearchState &state, double a, double b, doubl
 }
 
 }  // namespace
+
+bool is_lost_in_rounding(const LineSearchState &state, double change) {
+  // Of a sum over many elements of terms of f's size.
+  const double noise =
+      8 * PETSC_MACHINE_EPSILON * std::max(std::abs(state.energy), std::abs(state.trial_energy));
+  return std::abs(change) < 1e3 * noise;
+}
 
 PetscErrorCode take_solvers_direction(LineSearchState &state) {
   Vec direction = nullptr;
@@ -99,9 +101,8 @@ PetscErrorCode evaluate_trial_residual(LineSearchState &state) {
 PetscErrorCode energy_change(LineSearchState &state, double predicted, double *change) {
   PetscFunctionBegin;
   *change = state.trial_change;
-  // A ratio to the prediction is wanted to three digits. Where the difference drowns in rounding,
-  // the slopes at both ends keep theirs (trapezoidal rule, exact to third order in the step).
-  if (state.has_objective && std::abs(predicted) < 1e3 * energy_noise(state)) {
+  // The slopes at both ends keep their digits (trapezoidal rule, exact to third order in the step).
+  if (state.has_objective && is_lost_in_rounding(state, predicted)) {
     PetscCall(evaluate_trial_residual(state));
     *change = 0.5 * state.step * (state.slope + state.trial_slope);
   }

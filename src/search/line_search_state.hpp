@@ -48,6 +48,10 @@ struct LineSearchState {
   }
 };
 
+/// Whether so small a change of the energy has not the three digits, as a difference of energies,
+/// that a ratio to it or a minimum of it asks for.
+bool is_lost_in_rounding(const LineSearchState &state, double change);
+
 /// Takes over the direction that the linear solver left in the SNES's update. Collective.
 PetscErrorCode take_solvers_direction(LineSearchState &state);
 

@@ -103,6 +103,7 @@ PetscErrorCode minimise_in_plane(const FilteredJacobian &jacobian, SearchMemory 
   Plane plane;
   std::vector<double> changes;
   PetscFunctionBegin;
+  if (is_lost_in_rounding(state, state.slope)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(open_plane(jacobian, memory, state, &plane));
   PetscCall(sample(state, plane, Polynomial::nodes(plane.dimension, degree), &changes));
   // Points of infinite energy fit no polynomial: then the line search goes along d alone.
@@ -111,6 +112,14 @@ PetscErrorCode minimise_in_plane(const FilteredJacobian &jacobian, SearchMemory 
   }
   const Polynomial energy(plane.dimension, degree, changes);
   const Polynomial::Point best = energy.minimum_from(full_step, bound);
+  // Where rounding of the samples could be all that the minimum is better by, the full step is as
+  // good, and better known: near a solution it errs by its square, the minimum's place by the root
+  // of rounding.
+  constexpr double samples_noise = 1e-12;
+  const double least = energy.at(best);
+  if (energy.at(full_step) - least <= samples_noise * std::abs(least)) {
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   const double a = middle + reach * best[0], b = reach * best[1] * plane.previous_scale;
   PetscCall(turn(a, b, plane, memory, state));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -44,6 +44,8 @@ PetscErrorCode set_defaults(SNES snes, const SolveOutcome &outcome, double head_
   // The residual at the start is that of crushed elements: no measure for the one at the end.
   PetscCall(SNESGetTolerances(snes, &absolute, nullptr, &step, &iterations, &functions));
   PetscCall(SNESSetTolerances(snes, absolute, 0, step, iterations, functions));
+  // A body at rest may be no minimum either, and solvers are to read their options in any case.
+  PetscCall(SNESSetForceIteration(snes, PETSC_TRUE));
   PetscCall(set_program_defaults(snes));
   const bool trust = outcome.guess.linear_solves > 0 || outcome.inverted_at_start == 0;
   PetscCall(TrefoilSNESSetTrustStart(snes, trust ? PETSC_TRUE : PETSC_FALSE));

@@ -15,6 +15,7 @@ PetscErrorCode DeadLoadTerm::add_energy(const double *u, EnergySums *sums) const
   for (std::size_t k = 0; k + 2 < forces_.size(); k += 3) {
     const double work = forces_[k] * u[k] + forces_[k + 1] * u[k + 1] + forces_[k + 2] * u[k + 2];
     sums->energy -= work;
+    sums->load_work += work;
     sums->scale += std::abs(work);
   }
   PetscFunctionReturn(PETSC_SUCCESS);

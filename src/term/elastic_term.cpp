@@ -49,36 +49,43 @@ ElasticTerm::ElasticTerm(const Mesh &mesh, std::shared_ptr<const ElementPacks> p
       space_(space),
       packs_(std::move(packs)),
       kernels_(element_kernels(*packs_->reference)) {
-  for (PetscInt c = 0; c < packs_->elements; ++c) {
-    stiffness_ += materials_.stiffness_of(c) * volume(c);
-  }
-  for (const auto &run : materials_.runs()) {
-    for (PetscInt c = lanes * run.first; run.is_mixed && c < lanes * (run.first + 1); ++c) {
-      if (c < packs_->elements) mixed_rest_energy_ += materials_.rest_density_of(c) * volume(c);
-    }
-  }
+  measure_at_rest();
 }
 
-double ElasticTerm::volume(PetscInt cell) const {
-  const int dim = packs_->reference->dimension, points = packs_->reference->points;
-  const int numbers = dim * dim + 1;
-  double sum = 0;
-  for (int q = 0; q < points; ++q) {
-    const PetscInt weight = (points * (cell / lanes) + q) * numbers + dim * dim;
-    sum += packs_->jacobians[static_cast<std::size_t>(weight * lanes + cell % lanes)];
+void ElasticTerm::measure_at_rest() {
+  const ReferenceElement &reference = *packs_->reference;
+  const int dim = reference.dimension, modes = reference.nodes - 1, numbers = dim * dim + 1;
+  for (PetscInt cell = 0; cell < packs_->elements; ++cell) {
+    double volume = 0,
+           squares = 0;  // V, and the sum over the nodes of |g_a|^2 V: that of |G_k|^2 V
+    for (int q = 0; q < reference.points; ++q) {
+      const double *entry = &packs_->jacobians[static_cast<std::size_t>(
+          (reference.points * (cell / lanes) + q) * numbers * lanes + cell % lanes)];
+      const double *reduced = &packs_->reduced[static_cast<std::size_t>(q * modes * dim)];
+      const double weight = entry[dim * dim * lanes];
+      volume += weight;
+      for (int k = 0; k < modes * dim; ++k) {
+        double G = 0;
+        for (int j = 0; j < dim; ++j) {
+          G += reduced[k / dim * dim + j] * entry[(dim * j + k % dim) * lanes];
+        }
+        squares += G * G * weight;
+      }
+    }
+    rest_energy_ += materials_.of_cell(cell).rest_energy_density() * volume;
+    stiffness_ += materials_.stiffness_of(cell) * squares;
   }
-  return sum;
 }
 
 PetscErrorCode ElasticTerm::add_energy(const double *u, EnergySums *sums) const {
-  double energies[2] = {mixed_rest_energy_, 0};
+  double energies[2] = {0, 0};
   PetscFunctionBeginUser;
   materials_.for_each_run(0, packs_->packs(), [&](const MaterialRuns::Run &run) {
-    kernels_.energy(*run.material, *packs_, run.first, run.count, u, run.rest_density, energies);
+    kernels_.energy(*run.material, *packs_, run.first, run.count, u, energies);
   });
   sums->energy += energies[0];
+  sums->strain_energy += energies[0];
   sums->scale += energies[1];
-  sums->stiffness += stiffness_;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -183,7 +190,7 @@ PetscErrorCode ElasticTerm::add_hessian(const double *u, StencilSink &sink) cons
     std::fill(N.begin(), N.end(), 0);
     for (int q = 0; q < points; ++q) {
       Tangent<double> A;
-      materials_.of_cell(cell).tangent(element.deformation_gradient(q, displacements), A);
+      materials_.of_cell(cell).tangent(element.displacement_gradient(q, displacements), A);
       element.add_hessian(q, A, H.data());
       if (space_ == FilterSpace::element) continue;
       double part[81], negative_part[81];
@@ -208,10 +215,10 @@ void ElasticTerm::describe_cells(const double *u, double *determinant,
                           const double *displacements) {
     double energy = 0, volume = 0;
     for (int q = 0; q < packs_->reference->points; ++q) {
-      const Matrix3<double> F = element.deformation_gradient(q, displacements);
-      const double J = trefoil::determinant(F);
+      const Matrix3<double> H = element.displacement_gradient(q, displacements);
+      const double J = Deformation<double>(H).J();
       determinant[cell] = q == 0 || !(J >= determinant[cell]) ? J : determinant[cell];
-      energy += element.weight(q) * materials_.of_cell(cell).energy_density(F);
+      energy += element.weight(q) * materials_.of_cell(cell).energy_density(H);
       volume += element.weight(q);
     }
     energy_density[cell] = energy / volume;

@@ -33,6 +33,8 @@ class ElasticTerm final : public Term, private PackedElements {
               FilterSpace space);
 
   PetscErrorCode add_energy(const double *u, EnergySums *sums) const override;
+  [[nodiscard]] double rest_energy() const override { return rest_energy_; }
+  [[nodiscard]] double stiffness() const override { return stiffness_; }
   PetscErrorCode add_energy_changes(const double *u, std::size_t size, int directions,
                                     const double *const *d, int points, const double *coefficients,
                                     double *changes) const override;
@@ -53,7 +55,8 @@ class ElasticTerm final : public Term, private PackedElements {
   void hessians(PetscInt first, PetscInt count, const double *u, double *K) const override;
   SplitResult split(PetscInt first, PetscInt count, const double *u, const double *K, double *N,
                     int *negative) const override;
-  [[nodiscard]] double volume(PetscInt cell) const;
+  /// Finds rest_energy_ and stiffness_.
+  void measure_at_rest();
   template <class Visit>
   void for_each_element(const double *u, Visit visit) const;
 
@@ -62,8 +65,8 @@ class ElasticTerm final : public Term, private PackedElements {
   FilterSpace space_;
   std::shared_ptr<const ElementPacks> packs_;
   ElementKernels kernels_;
-  double stiffness_ = 0;          ///< energy of a strain of order one
-  double mixed_rest_energy_ = 0;  ///< what the models of mixed runs leave out
+  double stiffness_ = 0;
+  double rest_energy_ = 0;  ///< what the models leave out
 };
 
 }  // namespace trefoil

@@ -13,9 +13,10 @@ namespace trefoil {
 
 /// Sums over one rank's elements.
 struct EnergySums {
-  double energy = 0;     ///< sum of psi V
-  double scale = 0;      ///< sum of |psi - psi(I)| V, or the work of a load: free of rest offsets
-  double stiffness = 0;  ///< energy of a strain of order one: what rounding is small against
+  double energy = 0;         ///< what is minimised: 0 where body and loads are at rest
+  double strain_energy = 0;  ///< of that, the sum of (psi - psi(I)) V
+  double load_work = 0;      ///< and, subtracted from it, the work of the loads since rest
+  double scale = 0;          ///< sum of |psi - psi(I)| V, and of the loads' work by vertices
 };
 
 /// A time step, as an integrator makes it of the states before it. Arrays hold 3 numbers for each
@@ -57,6 +58,12 @@ class Term {
   virtual ~Term() = default;
 
   virtual PetscErrorCode add_energy(const double *u, EnergySums *sums) const = 0;
+  /// What reported energies have in addition: sum of psi(I) V.
+  [[nodiscard]] virtual double rest_energy() const { return 0; }
+  /// Sum over elements and nodes of k |g_a|^2 V, with the stiffness k of the material and the
+  /// gradients g_a of the shape functions: displacements of size d without pattern have about this
+  /// times d^2 of energy.
+  [[nodiscard]] virtual double stiffness() const { return 0; }
   /// Adds f(u + sum_k c_k d_k) - f(u) to changes[p] for each of `points` rows c of coefficients,
   /// one for each of `directions` local arrays d. Many points at the price of one pass, where the
   /// term knows how; here one evaluation a point.

@@ -11,6 +11,12 @@
 
 namespace trefoil::accuracy {
 
+/// The displacement gradient H = F - I, as materials take it.
+inline Matrix3<double> less_identity(Matrix3<double> F) {
+  for (int i = 0; i < 3; ++i) F(i, i) -= 1;
+  return F;
+}
+
 /// Shears one after the other, each along one axis by a function of the other (already moved)
 /// coordinates: volume is kept exactly, whatever the amplitude. With `swelling` x is moved by a
 /// function of x as well, and volume is not kept.
@@ -54,7 +60,7 @@ struct Manufactured {
       for (const auto &[steps, factor] : {std::pair{1, 8.}, {-1, -8.}, {2, -1.}, {-2, 1.}}) {
         double q[3] = {p[0], p[1], p[2]};
         q[j] += steps * h;
-        const Matrix3<double> P = material.stress(gradient(q));
+        const Matrix3<double> P = material.stress(less_identity(gradient(q)));
         for (std::size_t i = 0; i < 3; ++i)
           force[i] -= factor / (12 * h) * P(static_cast<int>(i), j);
       }
@@ -70,13 +76,6 @@ struct Manufactured {
         p[0] + a * std::sin(w * p[1]) * std::cos(w * z) + swelling * std::sin(w * p[0]);
     const double y1 = p[1] + a * std::cos(w * x1 + z);
     return {x1, y1, dimension == 3 ? p[2] + a * std::sin(w * x1 - y1) : 0};
-  }
-  static Matrix3<double> product(const Matrix3<double> &A, const Matrix3<double> &B) {
-    Matrix3<double> C;
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j)
-        for (int k = 0; k < 3; ++k) C(i, j) += A(i, k) * B(k, j);
-    return C;
   }
 };
 

@@ -34,7 +34,7 @@ class OwnMaterial(unittest.TestCase):
     def test_it_is_known_only_where_it_is_loaded(self):
         printed, status, _ = run(PROGRAM, f"{SCENE} -material_model mine")
         self.assertEqual(status, 1)
-        self.assertIn("there is no material model 'mine'", printed)
+        self.assertIn("knows no 'mine'", printed)
         printed, status, _ = run(PROGRAM, f"{SCENE} -dll_append {LIBRARY} -material_model his")
         self.assertEqual(status, 1)
         self.assertIn(", mine", printed)

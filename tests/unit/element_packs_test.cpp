@@ -69,13 +69,15 @@ const StableNeoHookean material({1.0, 0.4}, StableNeoHookean::Lame::physical);
 double energy(const IsoparametricElement &element, const double *u) {
   double sum = 0;
   for (int q = 0; q < element.reference().points; ++q)
-    sum += element.weight(q) * material.energy_density(element.deformation_gradient(q, u));
+    sum += element.weight(q) *
+           material.energy_density(Deformation(element.displacement_gradient(q, u)));
   return sum;
 }
 std::vector<double> force(const IsoparametricElement &element, const double *u) {
   std::vector<double> sum(static_cast<std::size_t>(3 * element.reference().nodes), 0);
   for (int q = 0; q < element.reference().points; ++q)
-    element.add_force(q, material.stress(element.deformation_gradient(q, u)), sum.data());
+    element.add_force(q, material.stress(Deformation(element.displacement_gradient(q, u))),
+                      sum.data());
   return sum;
 }
 std::vector<double> hessian(const IsoparametricElement &element, const double *u) {
@@ -84,7 +86,7 @@ std::vector<double> hessian(const IsoparametricElement &element, const double *u
   std::vector<double> H(rows * rows, 0);
   for (int q = 0; q < element.reference().points; ++q) {
     Tangent<double> A;
-    material.tangent(element.deformation_gradient(q, u), A);
+    material.tangent(Deformation(element.displacement_gradient(q, u)), A);
     element.add_hessian(q, A, H.data());
   }
   return H;
@@ -175,7 +177,7 @@ TEST(ElementTest, LinearTetrahedronIsTet4) {
     std::copy_n(&heap.coordinates[static_cast<std::size_t>(12 * e)], 12, &corner[0][0]);
     const Tet4 tet = Tet4::at_rest(corner);
     Tangent<double> A;
-    material.tangent(tet.deformation_gradient(heap.displacements(e)), A);
+    material.tangent(Deformation(tet.displacement_gradient(heap.displacements(e))), A);
     tet.hessian(A, H);
     const std::vector<double> mine = hessian(heap.element(e), heap.displacements(e));
     double size = 0;
@@ -225,7 +227,7 @@ class ElementPacksTest : public testing::TestWithParam<Case> {
 
 TEST_P(ElementPacksTest, EqualThePlainElement) {
   double sums[2] = {0, 0}, sum = 0;
-  kernels_.energy(*model_, packs_, 0, packs_.packs(), heap_.u.data(), 0, sums);
+  kernels_.energy(*model_, packs_, 0, packs_.packs(), heap_.u.data(), sums);
   std::vector<double> forces(heap_.u.size(), 0);
   kernels_.forces(*model_, packs_, 0, packs_.packs(), heap_.u.data(), forces.data());
   std::vector<double> K(static_cast<std::size_t>(packs_.packs() * packs_.entries() * lanes));
@@ -269,7 +271,7 @@ TEST_P(ElementPacksTest, ChangesAreDifferencesOfEnergies) {
     std::vector<double> moved = heap_.u;
     for (std::size_t k = 0; k < moved.size(); ++k) moved[k] += a * d[0][k] + b * d[1][k];
     double sums[2] = {0, 0};
-    kernels_.energy(*model_, packs_, 0, packs_.packs(), moved.data(), 0, sums);
+    kernels_.energy(*model_, packs_, 0, packs_.packs(), moved.data(), sums);
     return sums[0];
   };
   for (const int dimensions : {1, 2}) {

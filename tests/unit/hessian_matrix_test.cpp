@@ -48,7 +48,7 @@ class Reference {
     for (std::size_t p = 0; p < 12; ++p) u[p] = crumpled(corner[p / 3], static_cast<int>(p % 3));
     const Tet4 tet = Tet4::at_rest(corner);
     Tangent<double> A;
-    soft_material().tangent(tet.deformation_gradient(u), A);
+    soft_material().tangent(Deformation(tet.displacement_gradient(u)), A);
     tet.hessian(A, He);
     EXPECT_EQ(split(12, 1, He, Ne, nullptr).status, SplitStatus::ok);
     for (std::size_t p = 0; p < 12; ++p)

@@ -43,13 +43,14 @@ TEST_P(MaterialTest, StressIsTheDerivativeOfTheEnergy) {
 TEST_P(MaterialTest, TangentIsTheDerivativeOfTheStress) {
   for (const auto &[name, F, step] : states_) {
     const Tangent<double> A = material_.tangent(F);
+    const double scale = norm(A) + 1e-3 * norm(material_.tangent(diagonal(1, 1, 1)));
     for (std::size_t q = 0; q < 9; ++q) {
       Matrix D;
       D.entries[q] = 1;
       for (std::size_t p = 0; p < 9; ++p) {
         const double slope =
             derivative(step, [&](double s) { return material_.stress(along(F, s, D)).entries[p]; });
-        EXPECT_NEAR(slope, A[9 * p + q], 1e-8 * norm(A)) << name << ' ' << p << ' ' << q;
+        EXPECT_NEAR(slope, A[9 * p + q], 1e-8 * scale) << name << ' ' << p << ' ' << q;
       }
     }
   }
@@ -215,8 +216,7 @@ TEST(CancellingStretchesTest, TangentsGrowToWhatTheClampAllows) {
   Random random(6);
   const MaterialParameters parameters{{3, 0.4}, 0.0};  // without a volume term
   const double mu = parameters.constants.mu(), lambda = parameters.constants.lambda();
-  const Arap arap(parameters);
-  const Corotated corotated(parameters);
+  const AnyMaterial arap{Arap(parameters)}, corotated{Corotated(parameters)};
   for (const Cancelling &state : cancelling) {
     for (int turn = 0; turn < 20; ++turn) {
       const Matrix U = random.rotation(), V = random.rotation();
@@ -225,8 +225,7 @@ TEST(CancellingStretchesTest, TangentsGrowToWhatTheClampAllows) {
         for (int j = 0; j < 3; ++j) transposed(i, j) = V(j, i);
       const Matrix F =
           U * diagonal(state.longest, state.other, state.sum - state.other) * transposed;
-      Tangent<double> A;
-      arap.tangent(F, A);
+      Tangent<double> A = arap.tangent(F);
       // A = 2 mu I - 2 mu dR/dF; a twist's square is 2.
       expect_tangent(A, 18 * mu - 4 * mu * state.turning(), state);
       const bool known = state.other >= 0.5 && state.other < state.longest && state.sum >= 1e-9;
@@ -234,7 +233,7 @@ TEST(CancellingStretchesTest, TangentsGrowToWhatTheClampAllows) {
       if (known) expect_twist(A, 2 * mu - 2 * mu * turning, U, V);
       // A = 2 mu I + lambda R (x) R + (lambda tr - 2 mu) dR/dF, and |R|^2 = 3.
       const double factor = lambda * state.trace_of_strain() - 2 * mu;
-      corotated.tangent(F, A);
+      A = corotated.tangent(F);
       expect_tangent(A, 18 * mu + 3 * lambda + 2 * factor * state.turning(), state);
       if (known) expect_twist(A, 2 * mu + factor * turning, U, V);
     }

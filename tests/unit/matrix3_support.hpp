@@ -9,6 +9,7 @@
 #include <functional>
 #include <random>
 
+#include "trefoil/branch_free.hpp"
 #include "trefoil/material.hpp"
 
 namespace trefoil::test {
@@ -34,6 +35,14 @@ inline Matrix along(const Matrix &A, double s, const Matrix &B) {
   Matrix C = A;
   for (std::size_t k = 0; k < 9; ++k) C.entries[k] += s * B.entries[k];
   return C;
+}
+
+/// The displacement gradient H = F - I, as materials take it, and the deformation.
+inline Matrix less_identity(const Matrix &F) {
+  return along(F, -1, diagonal(1, 1, 1));
+}
+inline Deformation<double> deformed(const Matrix &F) {
+  return Deformation<double>(less_identity(F));
 }
 
 inline double dot(const Matrix &A, const Matrix &B) {
@@ -107,21 +116,28 @@ double largest(const std::array<double, size> &values) {
   return result;
 }
 
-/// A material behind functions, so that one test serves all.
+/// A material behind functions of F, so that one test serves all; and of H = F - I.
 struct AnyMaterial {
-  std::function<double(const Matrix &)> energy_density;
-  std::function<Matrix(const Matrix &)> stress;
-  std::function<Tangent<double>(const Matrix &)> tangent;
+  std::function<double(const Deformation<double> &)> energy_density_of;
+  std::function<Matrix(const Deformation<double> &)> stress_of;
+  std::function<Tangent<double>(const Deformation<double> &)> tangent_of;
 
   template <Material M>
   explicit AnyMaterial(const M &material)
-      : energy_density([=](const Matrix &F) { return material.energy_density(F); }),
-        stress([=](const Matrix &F) { return material.stress(F); }),
-        tangent([=](const Matrix &F) {
+      : energy_density_of(
+            [=](const auto &deformation) { return material.energy_density(deformation); }),
+        stress_of([=](const auto &deformation) { return material.stress(deformation); }),
+        tangent_of([=](const auto &deformation) {
           Tangent<double> A;
-          material.tangent(F, A);
+          material.tangent(deformation, A);
           return A;
         }) {}
+
+  [[nodiscard]] double energy_density(const Matrix &F) const {
+    return energy_density_of(deformed(F));
+  }
+  [[nodiscard]] Matrix stress(const Matrix &F) const { return stress_of(deformed(F)); }
+  [[nodiscard]] Tangent<double> tangent(const Matrix &F) const { return tangent_of(deformed(F)); }
 };
 
 }  // namespace trefoil::test

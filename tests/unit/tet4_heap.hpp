@@ -70,11 +70,11 @@ struct Plain {
     for (std::size_t e = 0; e < heap.elements(); ++e) {
       double H[144];
       const Tet4 tet = heap.element(e);
-      const Matrix3<double> F = tet.deformation_gradient(&heap.u[12 * e]);
-      energy.push_back(material.energy_density(F) * tet.volume);
-      tet.add_force(material.stress(F), &forces[12 * e]);
+      const Deformation<double> deformation(tet.displacement_gradient(&heap.u[12 * e]));
+      energy.push_back(material.energy_density(deformation) * tet.volume);
+      tet.add_force(material.stress(deformation), &forces[12 * e]);
       Tangent<double> tangent;
-      material.tangent(F, tangent);
+      material.tangent(deformation, tangent);
       tet.hessian(tangent, H);
       hessians.insert(hessians.end(), H, H + 144);
     }
@@ -119,7 +119,7 @@ struct Batched {
     const ElementKernels kernels = element_kernels(*tets.reference, instructions);
     const auto add_blocks = add_blocks_kernel(*tets.reference, instructions);
     double sums[2] = {0, 0};
-    kernels.energy(material, tets, 0, tets.packs(), heap.u.data(), 0, sums);
+    kernels.energy(material, tets, 0, tets.packs(), heap.u.data(), sums);
     energy = sums[0];
     scale = sums[1];
     forces.resize(heap.u.size());

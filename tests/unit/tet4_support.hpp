@@ -22,8 +22,8 @@ struct Tet4 {
     for (int a = 0; a < 4; ++a) std::copy_n(tet.element.gradient(0, a), 3, tet.gradients[a]);
     return tet;
   }
-  [[nodiscard]] Matrix3<double> deformation_gradient(const double *u) const {
-    return element.deformation_gradient(0, u);
+  [[nodiscard]] Matrix3<double> displacement_gradient(const double *u) const {
+    return element.displacement_gradient(0, u);
   }
   void add_force(const Matrix3<double> &P, double *force) const { element.add_force(0, P, force); }
   void hessian(const Tangent<double> &A, double *H) const {

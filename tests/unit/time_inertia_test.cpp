@@ -244,16 +244,16 @@ TEST_P(TimeInertiaTest, IsWhatItSaysUpToAConstant) {
   const auto at = [&](const std::vector<double> &u) {
     EnergySums sums;
     EXPECT_EQ(body_.inertia->add_energy(u.data(), &sums), PETSC_SUCCESS);
-    return EnergySums{sum_over_ranks(sums.energy), sum_over_ranks(sums.scale), 0};
+    return EnergySums{.energy = sum_over_ranks(sums.energy), .scale = sum_over_ranks(sums.scale)};
   };
   const auto expected = [&](const Field &u) {
     const auto from = [&](const Field &origin) {
       return [u, origin](const double *p, int i) { return u(p, i) - origin(p, i); };
     };
     const auto w = from(predicted_field), v = from(origin_field);
-    return EnergySums{
-        form(body_, w, w) / (2 * step * step) + damping * form(body_, v, v) / (2 * velocity_time),
-        form(body_, v, v) / (2 * velocity_time * velocity_time), 0};
+    return EnergySums{.energy = form(body_, w, w) / (2 * step * step) +
+                                damping * form(body_, v, v) / (2 * velocity_time),
+                      .scale = form(body_, v, v) / (2 * velocity_time * velocity_time)};
   };
   const EnergySums change_of = expected(small), from = expected(at_rest);
   const EnergySums one = at(body_.local(small)), other = at(body_.local(at_rest));
