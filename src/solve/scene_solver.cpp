@@ -29,7 +29,6 @@ PetscErrorCode set_time_defaults(SNES snes) {
   // What a body has moved since it was at rest is no measure for a step.
   PetscCall(SNESGetTolerances(snes, &absolute, &relative, nullptr, &iterations, &functions));
   PetscCall(SNESSetTolerances(snes, absolute, relative, 0, iterations, functions));
-  PetscCall(TrefoilSNESSetFilter(snes, "on_demand"));
   PetscCall(TrefoilSNESSetContinue(snes, PETSC_TRUE));
   PetscCall(TrefoilSNESSetTakeLast(snes, PETSC_TRUE));
   PetscCall(TrefoilSNESSetVerifyMinimum(snes, PETSC_FALSE));
