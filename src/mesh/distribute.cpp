@@ -15,12 +15,6 @@ PetscErrorCode tell_shape(MPI_Comm comm, const CellShape &shape, Mesh *mesh) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// This rank's cells, by the whole mesh's vertex numbers, and its even share of the vertices.
-struct Share {
-  std::vector<PetscInt> cells, sets, cell_number, vertex_number;
-  std::vector<double> coordinates;
-};
-
 /// Entries of `width` numbers a cell, sorted by the cells' ranks.
 std::vector<PetscInt> by_rank(const std::vector<PetscInt> &entries, std::size_t width,
                               const std::vector<PetscInt> &order) {
@@ -79,6 +73,11 @@ PetscErrorCode send_shares(MPI_Comm comm, const CellList &whole, const Partition
   PetscCall(scatter(comm, MPI_DOUBLE, whole.coordinates, times(vertices, 3), &share->coordinates));
   PetscCall(scatter(comm, MPIU_INT, whole.vertex_number,
                     whole.vertex_number.empty() ? nothing : vertices, &share->vertex_number));
+  PetscInt known[2] = {!whole.vertex_number.empty(),
+                       whole.vertex_number.empty() ? whole.vertices() : whole.file_vertices};
+  PetscCallMPI(MPI_Bcast(known, 2, MPIU_INT, 0, comm));
+  share->is_numbered = known[0] != 0;
+  share->file_vertices = known[1];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -102,41 +101,19 @@ PetscErrorCode take_whole_numbers(const Mesh &mesh, const std::vector<PetscInt> 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// Fetches what the even shares of the vertices have, for the local vertices.
-PetscErrorCode fetch(MPI_Comm comm, const std::vector<PetscInt> &share,
-                     const std::vector<PetscInt> &whole_number, std::vector<PetscInt> *mine) {
-  PetscLayout layout = nullptr;
-  PetscSF shares = nullptr;
-  PetscFunctionBeginUser;
-  mine->assign(whole_number.size(), 0);
-  PetscCall(PetscLayoutCreateFromSizes(comm, static_cast<PetscInt>(share.size()), PETSC_DECIDE, 1,
-                                       &layout));
-  PetscCall(PetscSFCreate(comm, &shares));
-  PetscCall(PetscSFSetGraphLayout(shares, layout, static_cast<PetscInt>(whole_number.size()),
-                                  nullptr, PETSC_OWN_POINTER, whole_number.data()));
-  PetscCall(PetscSFBcastBegin(shares, MPIU_INT, share.data(), mine->data(), MPI_REPLACE));
-  PetscCall(PetscSFBcastEnd(shares, MPIU_INT, share.data(), mine->data(), MPI_REPLACE));
-  PetscCall(PetscSFDestroy(&shares));
-  PetscCall(PetscLayoutDestroy(&layout));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/// The file's numbers of cells and vertices; where the list has none, its own.
-PetscErrorCode take_file_numbers(MPI_Comm comm, const CellList &whole, const Share &share,
+/// The file's numbers of cells and vertices; where the shares have none, their own.
+PetscErrorCode take_file_numbers(MPI_Comm comm, const Share &share,
                                  const std::vector<PetscInt> &whole_number, Mesh *mesh) {
-  PetscInt known[2] = {!whole.vertex_number.empty(), whole.file_vertices}, first = 0;
+  PetscInt first = 0;
   const auto cells = static_cast<PetscInt>(share.cells.size()) / mesh->nodes_per_cell();
   PetscFunctionBeginUser;
-  PetscCallMPI(MPI_Bcast(known, 2, MPIU_INT, 0, comm));
-  if (known[0]) {
-    mesh->file_vertices = known[1];
+  mesh->file_vertices = share.file_vertices;
+  if (share.is_numbered) {
     mesh->cell_number = share.cell_number;
-    PetscCall(fetch(comm, share.vertex_number, whole_number, &mesh->vertex_number));
+    PetscCall(fetch_from_shares(comm, share.vertex_number, whole_number, &mesh->vertex_number));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   mesh->vertex_number = whole_number;
-  mesh->file_vertices = whole.vertices();
-  PetscCallMPI(MPI_Bcast(&mesh->file_vertices, 1, MPIU_INT, 0, comm));
   PetscCallMPI(MPI_Exscan(&cells, &first, 1, MPIU_INT, MPI_SUM, comm));
   mesh->cell_number.resize(static_cast<std::size_t>(cells));
   std::iota(mesh->cell_number.begin(), mesh->cell_number.end(), first);
@@ -144,6 +121,46 @@ PetscErrorCode take_file_numbers(MPI_Comm comm, const CellList &whole, const Sha
 }
 
 }  // namespace
+
+PetscErrorCode fetch_from_shares(MPI_Comm comm, const std::vector<PetscInt> &share,
+                                 const std::vector<PetscInt> &places, std::vector<PetscInt> *mine) {
+  PetscLayout layout = nullptr;
+  PetscSF shares = nullptr;
+  PetscFunctionBeginUser;
+  mine->assign(places.size(), 0);
+  PetscCall(PetscLayoutCreateFromSizes(comm, static_cast<PetscInt>(share.size()), PETSC_DECIDE, 1,
+                                       &layout));
+  PetscCall(PetscSFCreate(comm, &shares));
+  PetscCall(PetscSFSetGraphLayout(shares, layout, static_cast<PetscInt>(places.size()), nullptr,
+                                  PETSC_OWN_POINTER, places.data()));
+  PetscCall(PetscSFBcastBegin(shares, MPIU_INT, share.data(), mine->data(), MPI_REPLACE));
+  PetscCall(PetscSFBcastEnd(shares, MPIU_INT, share.data(), mine->data(), MPI_REPLACE));
+  PetscCall(PetscSFDestroy(&shares));
+  PetscCall(PetscLayoutDestroy(&layout));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode make_from_shares(MPI_Comm comm, const Share &share, Mesh *mesh,
+                                std::vector<PetscInt> *whole_number) {
+  PetscFunctionBeginUser;
+  PetscCall(DMPlexCreateFromCellListParallelPetsc(
+      comm, mesh->dimension(), static_cast<PetscInt>(share.cells.size()) / mesh->nodes_per_cell(),
+      static_cast<PetscInt>(share.coordinates.size()) / 3, PETSC_DECIDE, mesh->nodes_per_cell(),
+      PETSC_FALSE, share.cells.data(), 3, share.coordinates.data(), nullptr, nullptr, &mesh->dm));
+  PetscCall(take_whole_numbers(*mesh, share.cells, whole_number));
+  PetscCall(take_file_numbers(comm, share, *whole_number, mesh));
+  mesh->groups.set_of_cell = share.sets;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode complete_mesh(MPI_Comm comm, PetscInt refine, Mesh *mesh) {
+  PetscFunctionBeginUser;
+  if (refine > 0) PetscCall(refine_distributed(refine, mesh));
+  PetscCall(take_arrays(mesh));
+  PetscCall(count_groups(comm, mesh));
+  PetscCall(connected_components(*mesh, &mesh->part, &mesh->parts));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
 PetscErrorCode distribute_mesh(MPI_Comm comm, const CellList &whole, const std::string &partitioner,
                                PetscInt refine, Mesh *mesh) {
@@ -158,18 +175,9 @@ PetscErrorCode distribute_mesh(MPI_Comm comm, const CellList &whole, const std::
   PetscCallMPI(MPI_Bcast(&partition.edge_cut, 1, MPIU_INT, 0, comm));
   mesh->edge_cut = partition.edge_cut;
   PetscCall(send_shares(comm, whole, partition, &share));
-  PetscCall(DMPlexCreateFromCellListParallelPetsc(
-      comm, mesh->dimension(), static_cast<PetscInt>(share.cells.size()) / mesh->nodes_per_cell(),
-      static_cast<PetscInt>(share.coordinates.size()) / 3, PETSC_DECIDE, mesh->nodes_per_cell(),
-      PETSC_FALSE, share.cells.data(), 3, share.coordinates.data(), nullptr, nullptr, &mesh->dm));
-  PetscCall(take_whole_numbers(*mesh, share.cells, &whole_number));
-  PetscCall(take_file_numbers(comm, whole, share, whole_number, mesh));
+  PetscCall(make_from_shares(comm, share, mesh, &whole_number));
   PetscCall(distribute_groups(comm, whole, partition, whole_number, mesh));
-  mesh->groups.set_of_cell = share.sets;
-  if (refine > 0) PetscCall(refine_distributed(refine, mesh));
-  PetscCall(take_arrays(mesh));
-  PetscCall(count_groups(comm, mesh));
-  PetscCall(connected_components(*mesh, &mesh->part, &mesh->parts));
+  PetscCall(complete_mesh(comm, refine, mesh));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

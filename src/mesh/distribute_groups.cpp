@@ -2,52 +2,18 @@
 #include <sstream>
 
 #include "mesh/distribution.hpp"
+#include "trefoil/input_error.hpp"
 
 namespace trefoil {
 namespace {
-
-/// Which groups and which sets of groups there are, as numbers and as names.
-struct Message {
-  std::vector<PetscInt> numbers;
-  std::string names;  ///< each ends in a zero
-};
-
-Message pack(const Groups &groups) {
-  Message message;
-  message.numbers.push_back(static_cast<PetscInt>(groups.list().size()));
-  for (const Group &group : groups.list()) {
-    message.numbers.insert(message.numbers.end(), {group.dimension, group.number});
-    message.names += group.name + '\0';
-  }
-  for (const std::vector<int> &set : groups.sets()) {
-    message.numbers.push_back(static_cast<PetscInt>(set.size()));
-    message.numbers.insert(message.numbers.end(), set.begin(), set.end());
-  }
-  return message;
-}
-
-void unpack(const Message &message, Groups *groups) {
-  auto number = message.numbers.begin();
-  std::istringstream names(message.names);
-  for (PetscInt count = *number++; count > 0; --count, number += 2) {
-    std::string name;
-    std::getline(names, name, '\0');
-    groups->name(groups->add(static_cast<int>(number[0]), number[1]), name);
-  }
-  while (number != message.numbers.end()) {
-    const PetscInt count = *number++;
-    groups->set_of({number, number + count});
-    number += count;
-  }
-}
 
 /// Tells all ranks the groups, which the first one knows.
 PetscErrorCode tell_groups(MPI_Comm comm, const Groups &whole, Groups *groups) {
   PetscMPIInt rank = 0;
   PetscFunctionBeginUser;
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
-  Message message;
-  if (rank == 0) message = pack(whole);
+  GroupTables message;
+  if (rank == 0) message = pack_groups(whole);
   PetscMPIInt sizes[2] = {static_cast<PetscMPIInt>(message.numbers.size()),
                           static_cast<PetscMPIInt>(message.names.size())};
   PetscCallMPI(MPI_Bcast(sizes, 2, MPI_INT, 0, comm));
@@ -55,7 +21,7 @@ PetscErrorCode tell_groups(MPI_Comm comm, const Groups &whole, Groups *groups) {
   message.names.resize(static_cast<std::size_t>(sizes[1]));
   PetscCallMPI(MPI_Bcast(message.numbers.data(), sizes[0], MPIU_INT, 0, comm));
   PetscCallMPI(MPI_Bcast(message.names.data(), sizes[1], MPI_CHAR, 0, comm));
-  unpack(message, groups);
+  unpack_groups(message, groups);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -122,9 +88,48 @@ std::vector<std::vector<PetscInt>> divide(const CellList &whole, const Partition
   return shares;
 }
 
-/// The other way round, with local vertices.
-void take(const std::vector<PetscInt> &share, const std::vector<PetscInt> &whole_number,
-          const CellShape &shape, Groups *groups) {
+}  // namespace
+
+GroupTables pack_groups(const Groups &groups) {
+  GroupTables tables;
+  tables.numbers.push_back(static_cast<PetscInt>(groups.list().size()));
+  for (const Group &group : groups.list()) {
+    tables.numbers.insert(tables.numbers.end(), {group.dimension, group.number});
+    tables.names += group.name + '\0';
+  }
+  for (const std::vector<int> &set : groups.sets()) {
+    tables.numbers.push_back(static_cast<PetscInt>(set.size()));
+    tables.numbers.insert(tables.numbers.end(), set.begin(), set.end());
+  }
+  return tables;
+}
+
+void unpack_groups(const GroupTables &tables, Groups *groups) {
+  auto number = tables.numbers.begin();
+  std::istringstream names(tables.names);
+  const auto take = [&](PetscInt least, PetscInt most) {
+    if (number == tables.numbers.end() || *number < least || *number > most)
+      throw InputError("its tables of groups are damaged");
+    return *number++;
+  };
+  const PetscInt count = take(0, PETSC_MAX_INT);
+  for (PetscInt group = 0; group < count; ++group) {
+    std::string name;
+    std::getline(names, name, '\0');
+    const auto dimension = static_cast<int>(take(0, 3));
+    if (groups->add(dimension, take(PETSC_MIN_INT, PETSC_MAX_INT)) != group)
+      throw InputError("its tables of groups are damaged");
+    groups->name(static_cast<int>(group), name);
+  }
+  while (number != tables.numbers.end()) {
+    std::vector<int> set(static_cast<std::size_t>(take(0, count)));
+    for (int &group : set) group = static_cast<int>(take(0, count - 1));
+    groups->set_of(set);
+  }
+}
+
+void take_entities(const std::vector<PetscInt> &share, const std::vector<PetscInt> &whole_number,
+                   const CellShape &shape, Groups *groups) {
   std::vector<std::pair<PetscInt, PetscInt>> local;  // by whole number
   if (share.size() > groups->below.size()) {
     for (std::size_t v = 0; v < whole_number.size(); ++v) {
@@ -145,12 +150,12 @@ void take(const std::vector<PetscInt> &share, const std::vector<PetscInt> &whole
     for (const auto end = next + count * corners[dimension]; next != end; ++next) {
       const auto found =
           std::lower_bound(local.begin(), local.end(), std::pair{*next, PetscInt{0}});
+      if (found == local.end() || found->first != *next)
+        throw InputError("what is in a group has a corner that its cell has not");
       entities.vertices.push_back(found->second);
     }
   }
 }
-
-}  // namespace
 
 PetscErrorCode distribute_groups(MPI_Comm comm, const CellList &whole, const Partition &partition,
                                  const std::vector<PetscInt> &whole_number, Mesh *mesh) {
@@ -169,7 +174,7 @@ PetscErrorCode distribute_groups(MPI_Comm comm, const CellList &whole, const Par
     }
   }
   PetscCall(scatter(comm, MPIU_INT, all, counts, &mine));
-  take(mine, whole_number, *mesh->shape, &mesh->groups);
+  take_entities(mine, whole_number, *mesh->shape, &mesh->groups);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -27,6 +27,46 @@ PetscErrorCode scatter(MPI_Comm comm, MPI_Datatype type, const std::vector<T> &a
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// This rank's cells, by the whole mesh's vertex numbers, and its even share of the vertices.
+struct Share {
+  std::vector<PetscInt> cells;  ///< cells x nodes
+  std::vector<PetscInt> sets;   ///< of groups, of each cell; empty: no cell is in one
+  std::vector<double> coordinates;
+  bool is_numbered = false;  ///< the two lists below are there
+  std::vector<PetscInt> cell_number, vertex_number;
+  PetscInt file_vertices = 0;
+};
+
+/// Fetches entries of a list of which every rank has an even share, as PetscLayout divides it.
+/// @param share this rank's
+/// @param places of the entries wanted
+/// Collective.
+PetscErrorCode fetch_from_shares(MPI_Comm comm, const std::vector<PetscInt> &share,
+                                 const std::vector<PetscInt> &places, std::vector<PetscInt> *mine);
+
+/// Makes the DMPlex, the file's numbers and the cells' sets of groups.
+/// @param whole_number of each local vertex, in the whole mesh
+/// Collective; mesh->shape is known.
+PetscErrorCode make_from_shares(MPI_Comm comm, const Share &share, Mesh *mesh,
+                                std::vector<PetscInt> *whole_number);
+
+/// Refines, then fills the flat arrays and counts. Collective.
+PetscErrorCode complete_mesh(MPI_Comm comm, PetscInt refine, Mesh *mesh);
+
+/// Which groups and which sets of groups there are, as numbers and as names.
+struct GroupTables {
+  std::vector<PetscInt> numbers;
+  std::string names;  ///< each ends in a zero
+};
+GroupTables pack_groups(const Groups &groups);
+/// The other way round. Throws InputError where the tables make no sense.
+void unpack_groups(const GroupTables &tables, Groups *groups);
+
+/// Takes a rank's entities below the cells: for each dimension a number of them, their sets and
+/// their corners' numbers in the whole mesh. Throws InputError where a corner is no local vertex.
+void take_entities(const std::vector<PetscInt> &share, const std::vector<PetscInt> &whole_number,
+                   const CellShape &shape, Groups *groups);
+
 /// Tells every rank which groups there are, and sends it those of its cells' points, edges and
 /// faces that are in groups, each to one rank. Collective.
 /// @param whole_number of each local vertex, in the whole mesh

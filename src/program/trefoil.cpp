@@ -115,6 +115,10 @@ PetscErrorCode run(const Arguments &arguments, double begin, int *status) {
   }
   options.scene_files = arguments.scene_files;
   PetscCall(read_scene_options(comm, &options));
+  if (!options.mesh_write.empty()) {
+    PetscCall(write_mesh(comm, options));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCall(check_outputs(comm, options));
   PetscCall(solve(comm, options, begin, status));
   PetscFunctionReturn(PETSC_SUCCESS);

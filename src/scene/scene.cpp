@@ -2,6 +2,7 @@
 
 #include <petsctime.h>
 
+#include "mesh/io/hdf5_mesh.hpp"
 #include "mesh/io/load_mesh.hpp"
 #include "scene/bent_cells_check.hpp"
 #include "scene/constraints.hpp"
@@ -92,6 +93,17 @@ PetscErrorCode print_choices(MPI_Comm comm, Scene *scene) {
 Scene::~Scene() {
   static_cast<void>(VecDestroy(&displacement));  // errors have nowhere to go from here
   static_cast<void>(MatDestroy(&hessian));
+}
+
+PetscErrorCode write_mesh(MPI_Comm comm, const SceneOptions &options) {
+  Mesh mesh;
+  const MeshOptions from = mesh_options(options);
+  PetscFunctionBeginUser;
+  PetscCall(load_mesh(
+      comm, from, [&](const CellList &whole) { check_bent_cells(whole, from.name()); }, &mesh));
+  PetscCall(write_hdf5_mesh(comm, options.mesh_write, mesh));
+  PetscCall(PetscPrintf(comm, "wrote %s\n", options.mesh_write.c_str()));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode build_scene(MPI_Comm comm, const SceneOptions &options, Scene *scene) {

@@ -36,6 +36,10 @@ struct Scene {
   ~Scene();
 };
 
+/// Reads or generates the mesh and writes it to -mesh_write; nothing else of a scene is needed.
+/// Collective; input that makes no mesh is an error with one sentence on all ranks.
+PetscErrorCode write_mesh(MPI_Comm comm, const SceneOptions &options);
+
 /// Reads or generates the mesh, distributes it, holds what is held, makes the terms and matrices.
 /// Collective; input that makes no scene is an error with one sentence on all ranks.
 PetscErrorCode build_scene(MPI_Comm comm, const SceneOptions &options, Scene *scene);

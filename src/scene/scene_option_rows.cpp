@@ -12,7 +12,12 @@ const char *const length = "length";
 
 std::vector<OptionRow> mesh_rows(SceneOptions &options) {
   return {
-      {"mesh_file", &options.mesh_file, "Medit .mesh, or Gmsh .msh 2.2 or 4.1", "", {}, essential},
+      {"mesh_file",
+       &options.mesh_file,
+       "Medit .mesh, Gmsh .msh 2.2 or 4.1, or HDF5 of -mesh_write",
+       "",
+       {},
+       essential},
       {"mesh_generate",
        &options.generate,
        "Instead: a body made here",
@@ -33,6 +38,8 @@ std::vector<OptionRow> mesh_rows(SceneOptions &options) {
        "",
        {"none", "drop"}},
       {"mesh_partitioner", &options.partitioner, "metis, or one of PETSc's such as ptscotch"},
+      {"mesh_write", &options.mesh_write,
+       "Write the mesh here, in HDF5 that all ranks read together; solve nothing"},
       {"order",
        &options.order,
        "Elements: 1 linear, 2 quadratic, 0 as the mesh has them",

@@ -133,7 +133,9 @@ PetscErrorCode check_files(MPI_Comm comm, const SceneOptions &options) {
   std::vector<std::string> taken = options.scene_files;
   taken.push_back(options.mesh_file);
   std::vector<std::pair<std::string, std::string>> written{
-      {"output_csv", options.csv_file}, {"snes_trefoil_record", options.record_file}};
+      {"mesh_write", options.mesh_write},
+      {"output_csv", options.csv_file},
+      {"snes_trefoil_record", options.record_file}};
   if (!options.output_file.empty()) {
     const std::vector<std::string> files = files_of_output(options.output_file);
     for (auto file = files.rbegin(); file != files.rend(); ++file) {

@@ -62,6 +62,7 @@ struct LoadsOptions {
 /// A scene as the user describes it, see scene_option_groups() for the names of the options.
 struct SceneOptions {
   std::string mesh_file, generate;
+  std::string mesh_write;  ///< write the mesh to this file, in HDF5, and solve nothing
   PetscInt resolution = 0, refine = 0;
   bool normalize = false;
   std::string repair = "none", partitioner = "metis";

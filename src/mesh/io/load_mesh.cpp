@@ -4,6 +4,7 @@
 
 #include "mesh/check_mesh.hpp"
 #include "mesh/generate.hpp"
+#include "mesh/io/hdf5_mesh.hpp"
 #include "mesh/io/read_mesh.hpp"
 #include "mesh/locality.hpp"
 #include "mesh/quadratic.hpp"
@@ -122,6 +123,21 @@ PetscErrorCode print_mesh(MPI_Comm comm, const std::string &name, PetscInt coinc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// What can be done only where one rank has the whole mesh, so before it is written in HDF5.
+PetscErrorCode check_options_of_shares(MPI_Comm comm, const MeshOptions &options,
+                                       const Mesh &mesh) {
+  PetscFunctionBeginUser;
+  PetscCheck(options.order == 0 || options.order == mesh.shape->order, comm, PETSC_ERR_USER_INPUT,
+             "the cells of %s are not of -order %" PetscInt_FMT
+             "; give -order where the file is made, beside -mesh_write",
+             options.file.c_str(), options.order);
+  PetscCheck(!options.normalize && !options.drops_bad_cells, comm, PETSC_ERR_USER_INPUT,
+             "%s is read by all ranks in shares, which neither -mesh_normalize nor -mesh_repair "
+             "can do; give them where the file is made, beside -mesh_write",
+             options.file.c_str());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 }  // namespace
 
 PetscErrorCode load_mesh(MPI_Comm comm, const MeshOptions &options,
@@ -132,6 +148,14 @@ PetscErrorCode load_mesh(MPI_Comm comm, const MeshOptions &options,
   std::string complaint;
   PetscFunctionBeginUser;
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
+  int in_shares = rank == 0 && is_hdf5_file(options.file);
+  PetscCallMPI(MPI_Bcast(&in_shares, 1, MPI_INT, 0, comm));
+  if (in_shares) {
+    PetscCall(read_hdf5_mesh(comm, options.file, options.partitioner, options.refine, mesh));
+    PetscCall(check_options_of_shares(comm, options, *mesh));
+    PetscCall(print_mesh(comm, options.name(), 0, *mesh));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   if (rank == 0) complaint = complaint_of([&] { whole = prepare_mesh(options, check, &findings); });
   PetscCall(agree_on_complaint(comm, complaint));
   PetscCall(PetscPrintf(comm, "%s", text_of(findings, *whole.shape).c_str()));

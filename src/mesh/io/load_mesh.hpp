@@ -20,9 +20,9 @@ struct MeshOptions {
   [[nodiscard]] std::string name() const { return file.empty() ? "generated " + generate : file; }
 };
 
-/// Reads or generates a mesh on the first rank, checks it, distributes it; says on the first rank's
-/// screen what was done to it and, in the line `mesh: ...`, what it is. Collective; what makes no
-/// mesh is an error with one sentence on all ranks.
+/// Reads or generates a mesh on the first rank (one in HDF5 on all, in even shares), checks it,
+/// distributes it; says on the first rank's screen what was done to it and, in the line `mesh:
+/// ...`, what it is. Collective; what makes no mesh is an error with one sentence on all ranks.
 /// @param check called on the first rank with the cells as the file has them; throws InputError
 /// where the elements cannot be made of these
 PetscErrorCode load_mesh(MPI_Comm comm, const MeshOptions &options,

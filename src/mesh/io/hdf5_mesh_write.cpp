@@ -1,0 +1,202 @@
+#include <petscviewerhdf5.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "mesh/distribution.hpp"
+#include "mesh/io/hdf5_mesh.hpp"
+#include "mesh/io/hdf5_mesh_names.hpp"
+#include "support/collective_error.hpp"
+#include "support/petsc_compatibility.hpp"
+#include "support/text_file.hpp"
+
+namespace trefoil {
+namespace {
+
+/// Writes a list of numbers, rank below rank; nothing where no rank has any.
+PetscErrorCode write_integers(PetscViewer viewer, const std::string &name,
+                              const std::vector<PetscInt> &numbers) {
+  IS list = nullptr;
+  PetscInt total = 0;
+  const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(viewer));
+  const std::size_t slash = name.rfind('/');
+  PetscFunctionBeginUser;
+  PetscCall(ISCreateGeneral(comm, static_cast<PetscInt>(numbers.size()), numbers.data(),
+                            PETSC_USE_POINTER, &list));
+  PetscCall(ISGetSize(list, &total));
+  if (total > 0) {
+    PetscCall(PetscObjectSetName(reinterpret_cast<PetscObject>(list), name.c_str() + slash + 1));
+    PetscCall(PetscViewerHDF5PushGroup(viewer, name.substr(0, slash).c_str()));
+    PetscCall(ISView(list, viewer));
+    PetscCall(PetscViewerHDF5PopGroup(viewer));
+  }
+  PetscCall(ISDestroy(&list));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode write_points(PetscViewer viewer, const Mesh &mesh) {
+  std::vector<double> mine;
+  Vec points = nullptr;
+  PetscFunctionBeginUser;
+  for (std::size_t v = 0; v < mesh.owned.size(); ++v) {
+    if (!mesh.owned[v]) continue;
+    const auto point = mesh.coordinates.begin() + static_cast<std::ptrdiff_t>(3 * v);
+    mine.insert(mine.end(), point, point + 3);
+  }
+  PetscCall(VecCreateMPIWithArray(PetscObjectComm(reinterpret_cast<PetscObject>(viewer)), 3,
+                                  static_cast<PetscInt>(mine.size()), PETSC_DETERMINE, mine.data(),
+                                  &points));
+  PetscCall(PetscObjectSetName(reinterpret_cast<PetscObject>(points), "vertices"));
+  PetscCall(PetscViewerHDF5PushGroup(viewer, "/geometry"));
+  PetscCall(VecView(points, viewer));
+  PetscCall(PetscViewerHDF5PopGroup(viewer));
+  PetscCall(VecDestroy(&points));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// As DMPlexTopologyView() does: points of rank 0, cells and then vertices, those of rank 1, ...;
+/// `order` has the numbers of these, in which all cells come before all vertices.
+PetscErrorCode write_topology(PetscViewer viewer, const Mesh &mesh, PetscInt first_cell) {
+  PetscInt dimension = mesh.dimension();
+  std::vector<PetscInt> cells, cones, order;
+  PetscFunctionBeginUser;
+  for (const PetscInt vertex : mesh.cells) {
+    cells.push_back(mesh.total_cells + mesh.global_vertex[static_cast<std::size_t>(vertex)]);
+  }
+  for (PetscInt c = 0; c < mesh.local_cells(); ++c) {
+    cones.push_back(mesh.nodes_per_cell());
+    order.push_back(first_cell + c);
+  }
+  for (std::size_t v = 0; v < mesh.owned.size(); ++v) {
+    if (!mesh.owned[v]) continue;
+    cones.push_back(0);
+    order.push_back(mesh.total_cells + mesh.global_vertex[v]);
+  }
+  PetscCall(write_integers(viewer, hdf5_names::cells, cells));
+  PetscCall(write_integers(viewer, "/topology/cones", cones));
+  PetscCall(write_integers(viewer, "/topology/order", order));
+  cells.assign(cells.size(), 0);
+  PetscCall(write_integers(viewer, "/topology/orientation", cells));
+  PetscCall(PetscViewerHDF5WriteAttribute(viewer, hdf5_names::cells.c_str(), "cell_dim", PETSC_INT,
+                                          &dimension));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode write_numbers(PetscViewer viewer, const Mesh &mesh) {
+  const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(viewer));
+  const auto shapes = mesh_shapes();
+  const auto row = std::find(shapes.begin(), shapes.end(), mesh.shape) - shapes.begin();
+  PetscMPIInt rank = 0;
+  std::vector<PetscInt> header, numbers;
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Comm_rank(comm, &rank));
+  if (rank == 0) {
+    header = {hdf5_names::format, static_cast<PetscInt>(row), mesh.total_cells, mesh.total_vertices,
+              mesh.file_vertices};
+  }
+  for (std::size_t v = 0; v < mesh.owned.size(); ++v) {
+    if (mesh.owned[v]) numbers.push_back(mesh.vertex_number[v]);
+  }
+  PetscCall(write_integers(viewer, hdf5_names::header, header));
+  PetscCall(write_integers(viewer, hdf5_names::vertex_number, numbers));
+  PetscCall(write_integers(viewer, hdf5_names::cell_number, mesh.cell_number));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// A local cell that has all these corners.
+PetscInt cell_with(const Mesh &mesh, const std::vector<std::vector<PetscInt>> &cells_of_vertex,
+                   const PetscInt *corner, std::size_t corners) {
+  for (const PetscInt cell : cells_of_vertex[static_cast<std::size_t>(*corner)]) {
+    const auto first =
+        mesh.cells.begin() + static_cast<std::ptrdiff_t>(cell) * mesh.nodes_per_cell();
+    const auto last = first + mesh.shape->corners;
+    if (std::all_of(corner, corner + corners,
+                    [&](PetscInt each) { return std::find(first, last, each) != last; }))
+      return cell;
+  }
+  return -1;
+}
+
+PetscErrorCode write_groups(PetscViewer viewer, const Mesh &mesh, PetscInt first_cell) {
+  PetscMPIInt rank = 0;
+  GroupTables tables;
+  PetscFunctionBeginUser;
+  if (mesh.groups.list().empty()) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCallMPI(MPI_Comm_rank(PetscObjectComm(reinterpret_cast<PetscObject>(viewer)), &rank));
+  if (rank == 0) tables = pack_groups(mesh.groups);
+  PetscCall(write_integers(viewer, hdf5_names::groups, tables.numbers));
+  PetscCall(
+      write_integers(viewer, hdf5_names::group_names, {tables.names.begin(), tables.names.end()}));
+  PetscCall(write_integers(viewer, hdf5_names::cell_set, mesh.groups.set_of_cell));
+  std::vector<std::vector<PetscInt>> cells_of_vertex(mesh.owned.size());
+  const auto width = static_cast<std::size_t>(mesh.nodes_per_cell());
+  for (std::size_t k = 0; k < mesh.cells.size(); ++k) {
+    cells_of_vertex[static_cast<std::size_t>(mesh.cells[k])].push_back(
+        static_cast<PetscInt>(k / width));
+  }
+  for (std::size_t dimension = 0; dimension < mesh.groups.below.size(); ++dimension) {
+    const GroupedEntities &entities = mesh.groups.below[dimension];
+    const std::size_t corners = entities.size() ? entities.vertices.size() / entities.size() : 0;
+    std::vector<PetscInt> rows;
+    for (std::size_t e = 0; e < entities.size(); ++e) {
+      const PetscInt *corner = &entities.vertices[corners * e];
+      const PetscInt cell = cell_with(mesh, cells_of_vertex, corner, corners);
+      PetscCheck(cell >= 0, PETSC_COMM_SELF, PETSC_ERR_PLIB, "what is in a group has no cell");
+      rows.push_back(first_cell + cell);
+      rows.push_back(entities.sets[e]);
+      for (std::size_t a = 0; a < corners; ++a)
+        rows.push_back(mesh.global_vertex[static_cast<std::size_t>(corner[a])]);
+    }
+    PetscCall(write_integers(viewer, hdf5_names::entities(dimension), rows));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode write_all(MPI_Comm comm, const std::string &part, const Mesh &mesh) {
+  PetscViewer viewer = nullptr;
+  PetscInt first_cell = 0;
+  const PetscInt cells = mesh.local_cells();
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Exscan(&cells, &first_cell, 1, MPIU_INT, MPI_SUM, comm));
+  PetscCall(PetscViewerHDF5Open(comm, part.c_str(), FILE_MODE_WRITE, &viewer));
+  PetscCall(write_topology(viewer, mesh, first_cell));
+  PetscCall(write_points(viewer, mesh));
+  PetscCall(write_numbers(viewer, mesh));
+  PetscCall(write_groups(viewer, mesh, first_cell));
+  PetscCall(PetscViewerDestroy(&viewer));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+}  // namespace
+
+PetscErrorCode write_hdf5_mesh(MPI_Comm comm, const std::string &path, const Mesh &mesh) {
+  const std::string place = follow_links(path);
+  PetscMPIInt rank = 0;
+  std::string part, problem;
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Comm_rank(comm, &rank));
+  if (rank == 0) {
+    if (is_stream(place))
+      problem = "it is a device or a pipe; name a file";
+    else
+      part = make_part(place, &problem);
+  }
+  const auto sentence = [&] {
+    return problem.empty() ? "" : "cannot write the mesh '" + path + "': " + problem;
+  };
+  PetscCall(agree_on_complaint(comm, sentence(), PETSC_ERR_FILE_OPEN));
+  auto length = static_cast<PetscMPIInt>(part.size());
+  PetscCallMPI(MPI_Bcast(&length, 1, MPI_INT, 0, comm));
+  part.resize(static_cast<std::size_t>(length));
+  PetscCallMPI(MPI_Bcast(part.data(), length, MPI_CHAR, 0, comm));
+  PetscCall(write_all(comm, part, mesh));
+  if (rank == 0) {
+    std::error_code error;
+    std::filesystem::rename(part, place, error);
+    if (error) problem = error.message();
+  }
+  PetscCall(agree_on_complaint(comm, sentence(), PETSC_ERR_FILE_OPEN));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+}  // namespace trefoil
