@@ -10,20 +10,18 @@ namespace trefoil {
 
 PetscErrorCode solve_with_fresh_preconditioner(KSP ksp, LineSearchState &state,
                                                SolveRecord &record) {
-  Mat J = nullptr, H = nullptr;
+  Mat H = nullptr;
   PC pc = nullptr;
   PetscBool lagged = PETSC_FALSE;
   PetscInt iterations = 0;
   PetscFunctionBegin;
   const Phase phase = state.clock.switch_to(Phase::linear_solve);
   PetscCall(KSPGetPC(ksp, &pc));
-  PetscCall(KSPGetOperators(ksp, &J, &H));
-  PetscCall(PetscObjectReference(reinterpret_cast<PetscObject>(J)));
-  PetscCall(PetscObjectReference(reinterpret_cast<PetscObject>(H)));
-  PetscCall(PCReset(pc));
-  PetscCall(KSPSetOperators(ksp, J, H));
-  PetscCall(MatDestroy(&J));
-  PetscCall(MatDestroy(&H));
+  PetscCall(KSPGetOperators(ksp, nullptr, &H));
+  PetscCall(MatAssemblyBegin(H, MAT_FINAL_ASSEMBLY));  // a new state, or nothing is set up
+  PetscCall(MatAssemblyEnd(H, MAT_FINAL_ASSEMBLY));
+  // For good: spaces that have failed once would do so again. Does nothing to others.
+  PetscCall(PCGAMGSetReuseInterpolation(pc, PETSC_FALSE));
   PetscCall(KSPGetReusePreconditioner(ksp, &lagged));
   PetscCall(KSPSetReusePreconditioner(ksp, PETSC_FALSE));
   PetscCall(KSPSolve(ksp, state.residual, state.update));
