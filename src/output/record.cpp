@@ -82,6 +82,7 @@ Json state_json(const RunReport &report, const StateReport &state) {
             {"least_det_F", place(state.least_determinant)},
             {"largest_von_mises", place(state.largest_von_mises)},
             {"volume", number(state.volume)}};
+  if (state.is_loose) json["loose"] = true;
   if (!state.probes.empty()) json["probes"] = probes;
   if (state.motion) {
     json["dt"] = state.motion->step;
@@ -151,6 +152,7 @@ Json make_record(const RunReport &report) {
   result["energy_scale"] = report.energy_scale;
   result["guess_linear_solves"] = report.guess_linear_solves;
   result["inverted"] = report.inverted;
+  result["path_halvings"] = report.path_halvings;
   result["error_table"] = error_table(record);
   record["memory"]["mesh_bytes"] = report.mesh.bytes;
   complete_times(record["time"], report.times);

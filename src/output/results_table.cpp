@@ -50,6 +50,7 @@ std::string results_table(const RunReport &report) {
   }
   std::string table = names.line();
   for (const StateReport &state : report.states) {
+    if (state.is_loose) continue;
     Row row;
     for (const double value :
          {state.t, state.energy, state.strain_energy, state.load_work,

@@ -61,6 +61,7 @@ struct StateReport {
   double t = 1;
   double energy = 0, strain_energy = 0, load_work = 0;
   PetscInt iterations = 0;
+  bool is_loose = false;             ///< on a path of the program's own accord: no equilibrium
   std::vector<Resultant> reactions;  ///< of the constraints
   std::vector<Resultant> loads;
   Extreme largest_displacement, least_determinant, largest_von_mises;
@@ -101,6 +102,7 @@ struct RunReport {
   double energy_rest = 0, energy_scale = 0;
   PetscInt guess_linear_solves = 0;
   PetscInt64 inverted = 0;  ///< at the end
+  int path_halvings = 0;    ///< of steps on a path of the program's own accord
   ProgramTimes times;       ///< the maximum over the ranks
 };
 

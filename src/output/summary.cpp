@@ -47,6 +47,10 @@ std::string verdict(const Json &record) {
     text += "; WARNING: " + counted(inverted, "element") +
             (inverted == 1 ? " is inverted" : " are inverted");
   }
+  if (const int halvings = result.value("path_halvings", 0); halvings > 0) {
+    text += "; WARNING: the path to it was halved down, " + counted(halvings, "time") +
+            ": there may be other equilibria";
+  }
   return text + "\n";
 }
 

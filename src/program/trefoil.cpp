@@ -69,13 +69,15 @@ PetscErrorCode solve(MPI_Comm comm, const SceneOptions &options, double begin, i
   }
   FieldOutput output(scene, has_series(options));
   bool is_written = false;  // of the last state that was seen
-  const auto observe = [&](double t, PetscInt iterations) {
+  const auto observe = [&](double t, PetscInt iterations, bool is_loose) {
     PetscFunctionBeginUser;
     const double start = MPI_Wtime();
     StateReport state;
     state.iterations = iterations;
+    state.is_loose = is_loose;
     PetscCall(describe_state(scene, t, &state));
-    is_written = report.states.size() % static_cast<std::size_t>(options.output_every) == 0;
+    is_written =
+        !is_loose && report.states.size() % static_cast<std::size_t>(options.output_every) == 0;
     if (is_written) PetscCall(output.write(t));
     report.states.push_back(state);
     output_seconds += MPI_Wtime() - start;
@@ -85,7 +87,8 @@ PetscErrorCode solve(MPI_Comm comm, const SceneOptions &options, double begin, i
   if (!outcome.converged) *status = not_converged;
 
   StateReport end;
-  if (report.states.empty()) {  // nothing converged: the last iterate, or the body at rest
+  if (report.states.empty() ||
+      report.states.back().is_loose) {  // nothing converged: the last iterate, or the body at rest
     const double start = MPI_Wtime();
     PetscCall(describe_state(scene, outcome.time, &end));
     PetscCall(output.write(outcome.time));

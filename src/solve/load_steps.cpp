@@ -66,6 +66,14 @@ PetscErrorCode LoadPath::go_to(double time, GuessCost *cost) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode LoadPath::follow_to(double time, GuessCost *cost) {
+  PetscFunctionBeginUser;
+  PetscCall(set_time(time));
+  PetscCall(follow(cost));
+  if (!stand_) PetscCall(VecCopy(spread_, scene_.displacement));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode LoadPath::accept() {
   PetscFunctionBeginUser;
   if (!stand_) PetscCall(VecDuplicate(scene_.displacement, &stand_));

@@ -18,10 +18,16 @@ class LoadPath {
   /// Refuses a path on which nothing changes between two times. Collective.
   PetscErrorCode check(double first, double last);
 
+  /// Moves the prescribed vertices and sets the loads. Collective.
+  PetscErrorCode set_time(double time);
+
   /// Moves the prescribed vertices and sets the loads. From the second step on the unknowns follow:
   /// with a start other than `rest` by the harmonic extension of what the prescribed vertices have
   /// moved since the last step. Collective.
   PetscErrorCode go_to(double time, GuessCost *cost);
+
+  /// The same also in the first step, whose start is the harmonic extension. Collective.
+  PetscErrorCode follow_to(double time, GuessCost *cost);
 
   /// The scene's displacement stands, as an equilibrium at the time gone to. Collective.
   PetscErrorCode accept();
@@ -34,7 +40,6 @@ class LoadPath {
   [[nodiscard]] bool has_stand() const { return stand_ != nullptr; }
 
  private:
-  PetscErrorCode set_time(double time);
   PetscErrorCode follow(GuessCost *cost);
 
   Scene &scene_;

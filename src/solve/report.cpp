@@ -54,6 +54,7 @@ PetscErrorCode fill_report(const Scene &scene, const SolveOutcome &outcome, cons
   report->energy_scale = outcome.energy_scale;
   report->guess_linear_solves = outcome.guess.linear_solves;
   report->inverted = outcome.inverted;
+  report->path_halvings = outcome.path_halvings;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

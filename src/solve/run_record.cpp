@@ -15,7 +15,12 @@ void RunRecord::add(const std::string &text, int number, bool is_rejected) {
     history_.push_back(std::move(entry));
   }
   record.erase("history");
-  if (!is_rejected) iterations_.push_back(result["iterations"]);
+  if (!is_rejected && number == last_number_) {  // a step in two solves
+    iterations_.back() = iterations_.back().get<int>() + result["iterations"].get<int>();
+  } else if (!is_rejected) {
+    iterations_.push_back(result["iterations"]);
+    last_number_ = number;
+  }
   if (solves_ > 0) {
     for (const char *count : {"saddles_left", "verification_solves", "iterations", "linear_solves",
                               "factorisations", "line_search_trials"}) {

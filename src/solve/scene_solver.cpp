@@ -1,11 +1,13 @@
 #include "solve/scene_solver.hpp"
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "scene/initial_displacement.hpp"
 #include "scene/unknown_options.hpp"
 #include "solve/set_linear_solver.hpp"
 #include "solve/solver_help.hpp"
+#include "solve/start_check.hpp"
 #include "support/petsc_compatibility.hpp"
 #include "trefoil.h"
 
@@ -142,6 +144,13 @@ PetscErrorCode SceneSolver::set_direction_tolerance(double tolerance) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode SceneSolver::loosen(double energy_tolerance) {
+  PetscFunctionBeginUser;
+  PetscCall(TrefoilSNESSetTolerances(snes_, 0, energy_tolerance));
+  PetscCall(TrefoilSNESSetVerifyMinimum(snes_, PETSC_FALSE));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode SceneSolver::solve(Attempt *attempt) {
   const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(snes_));
   const char *record = nullptr;
@@ -164,6 +173,23 @@ PetscErrorCode SceneSolver::solve(Attempt *attempt) {
   attempt->iterations = json["result"]["iterations"];
   attempt->reason = json["result"]["reason"];
   PetscCall(scene_.functional->count_inverted(scene_.displacement, &attempt->inverted));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode solve_from_start(Scene &scene, const AttemptOptions &options,
+                                const SolveOutcome &outcome, Attempt *attempt) {
+  SceneSolver solver(scene);
+  EnergySums start;
+  PetscFunctionBeginUser;
+  PetscCall(solver.set_up(outcome, options.head_start));
+  if (options.loose_tolerance > 0) PetscCall(solver.loosen(options.loose_tolerance));
+  PetscCall(scene.functional->energy(scene.displacement, &start));
+  if (options.may_fail && !std::isfinite(start.energy)) {
+    attempt->reason = "its start has infinite energy";
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(check_start(scene, start.energy));
+  PetscCall(solver.solve(attempt));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -35,6 +35,9 @@ class SceneSolver {
   /// Collective.
   PetscErrorCode set_direction_tolerance(double tolerance);
 
+  /// Ends solves at this energy tolerance, whatever the user says, and verifies none. Collective.
+  PetscErrorCode loosen(double energy_tolerance);
+
   /// Says what will solve its linear systems. Collective.
   PetscErrorCode expect(LinearSolver *solver) {
     return expect_linear_solver(snes_, scene_.hessian, solver);
@@ -47,5 +50,16 @@ class SceneSolver {
   Scene &scene_;
   SNES snes_ = nullptr;
 };
+
+/// How one solve is to go.
+struct AttemptOptions {
+  double head_start = 0;  ///< seconds that went before it
+  bool may_fail = false;  ///< a start of infinite energy is a failure like others, not bad input
+  double loose_tolerance = 0;  ///< > 0: see SceneSolver::loosen()
+};
+
+/// Solves from the scene's displacement on. Collective.
+PetscErrorCode solve_from_start(Scene &scene, const AttemptOptions &options,
+                                const SolveOutcome &outcome, Attempt *attempt);
 
 }  // namespace trefoil

@@ -2,12 +2,12 @@
 
 #include <petsctime.h>
 
-#include <cmath>
 #include <sstream>
 
 #include "scene/initial_displacement.hpp"
 #include "scene/unknown_options.hpp"
 #include "solve/load_steps.hpp"
+#include "solve/path.hpp"
 #include "solve/run_record.hpp"
 #include "solve/scene_solver.hpp"
 #include "solve/set_linear_solver.hpp"
@@ -18,24 +18,6 @@
 
 namespace trefoil {
 namespace {
-
-/// Solves from the scene's displacement on.
-/// @param may_fail whether a start of infinite energy is a failure like others, not bad input
-PetscErrorCode solve_from_start(Scene &scene, double head_start, bool may_fail,
-                                const SolveOutcome &outcome, Attempt *attempt) {
-  SceneSolver solver(scene);
-  EnergySums start;
-  PetscFunctionBeginUser;
-  PetscCall(solver.set_up(outcome, head_start));
-  PetscCall(scene.functional->energy(scene.displacement, &start));
-  if (may_fail && !std::isfinite(start.energy)) {
-    attempt->reason = "its start has infinite energy";
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  PetscCall(check_start(scene, start.energy));
-  PetscCall(solver.solve(attempt));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
 
 StepSizes step_sizes_of(const SceneOptions &options) {
   const PetscInt steps = number_of_load_steps(options);
@@ -95,7 +77,7 @@ PetscErrorCode Walk::take_step(double time, Attempt *attempt) {
   if (!path_.has_stand()) PetscCall(make_start(scene_, outcome_));
   PetscCall(PetscTime(&now));
   const double head_start = has_steps() ? now - begin_ : outcome_->guess.seconds;
-  PetscCall(solve_from_start(scene_, head_start, sizes_.is_adaptive(), *outcome_, attempt));
+  PetscCall(solve_from_start(scene_, {head_start, sizes_.is_adaptive()}, *outcome_, attempt));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -111,7 +93,7 @@ PetscErrorCode Walk::accept(double time, const Attempt &attempt) {
   inverted_ = attempt.inverted;
   if (has_steps()) PetscCall(path_.accept());
   sizes_.accept(attempt.iterations <= easy_iterations);
-  PetscCall(observe_(time, attempt.iterations));
+  PetscCall(observe_(time, attempt.iterations, false));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -175,11 +157,15 @@ PetscErrorCode Walk::go() {
 
 PetscErrorCode solve_scene(Scene &scene, const StateObserver &observe, SolveOutcome *outcome) {
   EnergySums end;
+  bool may_take = false;
   PetscFunctionBeginUser;
   PetscCall(scene.functional->energy_at_rest(&outcome->energy_rest));
   PetscCall(choose_linear_solver(scene, &scene.linear_solver));
+  PetscCall(may_take_path(&may_take));
   if (scene.motion) {
     PetscCall(walk_in_time(scene, observe, outcome));
+  } else if (may_take) {
+    PetscCall(solve_by_leap_or_path(scene, observe, outcome));
   } else {
     PetscCall(Walk(scene, observe, outcome).go());
   }

@@ -18,6 +18,7 @@ struct SolveOutcome {
   /// Where the way in load steps ended before t = 1, and why; empty: it did not.
   std::string failure;
   double time = 1;            ///< t of the state that the scene is left at
+  int path_halvings = 0;      ///< of steps on a path of the program's own accord
   std::string plugin_record;  ///< JSON of the plugin, see TrefoilSNESGetRecord()
   std::string linear_solver;  ///< in words, see LinearSolver
   GuessCost guess;
@@ -25,16 +26,17 @@ struct SolveOutcome {
   PetscInt64 inverted_at_start = 0, inverted = 0;
 };
 
-/// What is done with each equilibrium that stands, where the scene is at it: at time t, after so
-/// many iterations.
-using StateObserver = std::function<PetscErrorCode(double t, PetscInt iterations)>;
+/// What is done with each state that stands, where the scene is at it: at time t, after so many
+/// iterations. A loose one, on a path of the program's own accord, is no equilibrium.
+using StateObserver = std::function<PetscErrorCode(double t, PetscInt iterations, bool is_loose)>;
 
 /// Minimises the scene's energy from its start with SNES, by default of type trefoil with a direct
 /// solver; every -snes_*, -ksp_* and -pc_* of the user wins. In load steps each equilibrium is the
 /// start of the next; `auto` ones are halved where a step fails or turns elements round, and grow
 /// again. Collective. A solve that does not converge is no error: `converged` says so, and the
 /// scene is left at the last equilibrium that stands (where there was but one solve, at its last
-/// iterate).
+/// iterate). A hard scene, see solve_by_leap_or_path(), is led to its end on a path of a few loose
+/// steps.
 PetscErrorCode solve_scene(Scene &scene, const StateObserver &observe, SolveOutcome *outcome);
 
 /// What would solve the scene's linear systems, with the size of a factor. Solves nothing; options

@@ -26,11 +26,13 @@ void StepSizes::accept(bool was_easy) {
   was_halved_ = false;
 }
 
+bool StepSizes::can_halve() const {
+  return count_ == 0 && (next() - time_) / 2 >= least_;
+}
+
 bool StepSizes::halve() {
-  if (count_ > 0) return false;
-  const double half = (next() - time_) / 2;
-  if (half < least_) return false;
-  step_ = half;
+  if (!can_halve()) return false;
+  step_ = (next() - time_) / 2;
   was_halved_ = true;
   return true;
 }

@@ -20,6 +20,7 @@ class StepSizes {
   void accept(bool was_easy);
   /// The step failed. @return whether a shorter one is left to be tried, which next() then says
   bool halve();
+  [[nodiscard]] bool can_halve() const;  ///< whether halve() would say so
 
   [[nodiscard]] double time() const { return time_; }  ///< where the last step led that stands
   [[nodiscard]] int accepted() const { return accepted_; }

@@ -53,7 +53,7 @@ PetscErrorCode TimeWalk::start() {
   PetscCall(scene_.functional->energy(scene_.displacement, &sums));
   PetscCall(check_start(scene_, sums.energy));
   PetscCall(scene_.motion->accelerate());
-  PetscCall(observe_(0, 0));
+  PetscCall(observe_(0, 0, false));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -131,7 +131,7 @@ PetscErrorCode TimeWalk::go() {
     }
     PetscCall(scene_.motion->accept(steps_.next()));
     steps_.accept();
-    PetscCall(observe_(steps_.time(), attempt.iterations));
+    PetscCall(observe_(steps_.time(), attempt.iterations, false));
   }
   outcome_->converged = steps_.is_done();
   outcome_->time = steps_.time();
