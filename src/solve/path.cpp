@@ -218,6 +218,7 @@ PetscErrorCode Tries::take_path() {
   if (path_counts_) {
     attempt_ = end;
   } else {
+    if (end.converged) outcome_->path_halvings = 0;  // it led elsewhere
     PetscCall(return_to_leap());
   }
   PetscFunctionReturn(PETSC_SUCCESS);

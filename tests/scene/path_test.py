@@ -1,0 +1,88 @@
+#!/usr/bin/python3
+"""The path that a hard scene is led on of the program's own accord: where it is taken, where it is
+cut, and where it is not."""
+import unittest
+
+from boxes import BOX, ENDS
+from trefoil_program import record_of
+
+# A cube, two faces held, one turned about its axis: half a turn, written as where it ends.
+CUBE = ["-mesh_generate", "box", "-mesh_resolution", "6", "-material_poisson", "0.495",
+       "-material_young", "1", "-constraints", "held,turned", "-constraint_held_where", "x == xmin",
+       "-constraint_held_move", "0, 0, 0", "-constraint_turned_where", "x == xmax"]
+HALF_TURN = [*CUBE, "-constraint_turned_move", "0, 1 - 2*y, 1 - 2*z"]
+
+
+def above_rest(record):
+    return record["result"]["energy"] - record["result"]["energy_rest"]
+
+
+class HalfTurn(unittest.TestCase):
+    def test_ends_where_loading_leads(self):
+        for ranks in (1, 2):
+            for model in ("stable_neo_hookean", "neo_hookean"):
+                scene = [*HALF_TURN, "-material_model", model]
+                with self.subTest(model=model, ranks=ranks):
+                    ours, loaded = record_of(scene, ranks), record_of([*scene, "-load_steps", "4"])
+                    self.assertEqual(ours["status"], 0)
+                    self.assertEqual(ours["result"]["inverted"], 0)
+                    self.assertLess(above_rest(ours), 1.001 * above_rest(loaded))
+                    self.assertGreater(above_rest(ours), 0.999 * above_rest(loaded))
+
+    def test_record_lists_the_steps(self):
+        record = record_of(HALF_TURN)
+        steps, result = record["steps"], record["result"]
+        self.assertGreater(len(steps), 2)
+        self.assertEqual([step.get("loose", False) for step in steps],
+                         [True] * (len(steps) - 1) + [False])
+        self.assertEqual(sum(step["iterations"] for step in steps), result["iterations"])
+        self.assertEqual(steps[-1]["t"], 1)
+        self.assertEqual(steps[-1]["energy"], result["energy"])
+        self.assertEqual(len(result["load_step_iterations"]), len(steps))
+
+    def test_none_where_the_user_says_how(self):
+        for option in (["-initial", "harmonic"], ["-load_steps", "1"]):
+            record = record_of(HALF_TURN + option)
+            self.assertEqual(len(record["steps"]), 1)
+            self.assertNotIn("load_step_iterations", record["result"])
+
+
+class Cut(unittest.TestCase):
+    def test_is_halved_where_a_step_starts_at_infinite_energy(self):
+        """Log J: the last third of half a turn is too far in one step."""
+        record = record_of([*HALF_TURN, "-mesh_resolution", "8", "-material_model", "neo_hookean"])
+        self.assertEqual(record["status"], 0)
+        self.assertGreater(record["result"]["path_halvings"], 0)
+        self.assertIn("is halved", record["printed"])
+        self.assertIn("halved down", record["printed"])
+        self.assertEqual(record["result"]["inverted"], 0)
+
+
+class Mild(unittest.TestCase):
+    def test_pays_nothing(self):
+        """One leap, and no more iterations than Newton's method takes."""
+        for move in ("0, 0, 0.02", "0.02, 0, 0", "0, 0, -0.02"):
+            scene = [*ENDS, "-constraint_low_move", "0, 0, 0", "-constraint_high_move", move]
+            ours = record_of(scene)
+            newton = record_of([*scene, "-initial", "rest", "-snes_trefoil_filter", "newton",
+                                "-snes_trefoil_search", "armijo"])
+            self.assertEqual([ours["status"], newton["status"]], [0, 0])
+            self.assertEqual(len(ours["steps"]), 1)
+            self.assertNotIn("path to", ours["printed"])
+            self.assertLessEqual(ours["result"]["iterations"], newton["result"]["iterations"])
+
+    def test_hard_end_has_tried_the_path(self):
+        """A leap whose guess is whole and whose end is not."""
+        scene = [*BOX, "-material_poisson", "0.3", "-constraints", "low,high",
+                 "-constraint_low_where", "z == zmin", "-constraint_high_where", "z == zmax",
+                 "-constraint_low_move", "0, 0, 0", "-constraint_high_move", "0, 0, -0.7"]
+        record = record_of(scene)
+        leap = record_of([*scene, "-initial", "arap"])
+        self.assertGreater(leap["result"]["inverted"], 0)
+        self.assertIn("path to", record["printed"])
+        self.assertLessEqual(above_rest(record), above_rest(leap) * (1 + 1e-6))
+        self.assertGreater(record["result"]["iterations"], leap["result"]["iterations"])
+
+
+if __name__ == "__main__":
+    unittest.main()
