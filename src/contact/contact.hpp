@@ -48,6 +48,7 @@
 /// predicates, intersections (exact).
 
 #include "contact/additive_ccd.hpp"
+#include "contact/candidate_list.hpp"
 #include "contact/candidates.hpp"
 #include "contact/contact_energy.hpp"
 #include "contact/friction.hpp"

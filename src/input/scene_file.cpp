@@ -18,8 +18,11 @@ namespace trefoil {
 namespace {
 
 /// Lists of named parts, and what an option of one part begins with.
-const std::map<std::string, std::string> singular{
-    {"constraints", "constraint"}, {"regions", "region"}, {"loads", "load"}, {"probes", "probe"}};
+const std::map<std::string, std::string> singular{{"constraints", "constraint"},
+                                                  {"regions", "region"},
+                                                  {"loads", "load"},
+                                                  {"probes", "probe"},
+                                                  {"obstacles", "obstacle"}};
 
 /// One document of a YAML file, as libyaml makes it.
 class Document {

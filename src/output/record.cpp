@@ -62,6 +62,15 @@ Json regions_json(const RunReport &report) {
   return list;
 }
 
+void add_contact(const ContactState &contact, Json &json) {
+  json["contact_energy"] = number(contact.energy);
+  json["min_gap"] = number(contact.least_gap);
+  json["contact_pairs"] = contact.pairs;
+  json["contact_distance"] = contact.distance;
+  json["contact_stiffening"] = contact.stiffening;
+  json["friction_iterations"] = contact.friction_iterations;
+}
+
 Json state_json(const RunReport &report, const StateReport &state) {
   Json reactions = Json::object(), loads = Json::object(), probes = Json::object();
   for (std::size_t k = 0; k < state.reactions.size(); ++k) {
@@ -90,6 +99,7 @@ Json state_json(const RunReport &report, const StateReport &state) {
     json["momentum"] = state.motion->momentum;
     json["angular_momentum"] = state.motion->angular_momentum;
   }
+  if (state.contact) add_contact(*state.contact, json);
   return json;
 }
 
@@ -147,6 +157,13 @@ Json make_record(const RunReport &report) {
   result["largest_von_mises"] = place(end.largest_von_mises);
   result["volume"] = number(end.volume);
   for (const ProbeReport &probe : end.probes) result["probes"][probe.name] = probe.displacement;
+  if (end.contact) {
+    const auto &history = record["history"];
+    add_contact(*end.contact, result);
+    result["truncated"] = std::count_if(history.begin(), history.end(), [](const Json &entry) {
+      return entry.value("truncated", false);
+    });
+  }
   result["warnings"] = report.warnings;
   result["energy_rest"] = report.energy_rest;
   result["energy_scale"] = report.energy_scale;

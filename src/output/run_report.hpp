@@ -49,6 +49,16 @@ struct ProbeReport {
   std::array<double, 3> displacement{};
 };
 
+/// What is in contact in a state.
+struct ContactState {
+  double energy = 0;            ///< of the barriers
+  double least_gap = 0;         ///< infinite where nothing is nearer than the contact distance
+  double distance = 0;          ///< below which there are forces
+  double stiffening = 1;        ///< times the stiffness that was asked for
+  PetscInt64 pairs = 0;         ///< nearer than the contact distance
+  int friction_iterations = 0;  ///< solves with other forces of friction
+};
+
 /// How a body moves at the end of a step in time.
 struct MotionReport {
   double step = 0;  ///< its length; 0 at the start
@@ -67,7 +77,8 @@ struct StateReport {
   Extreme largest_displacement, least_determinant, largest_von_mises;
   double volume = 0;  ///< of the body as it is deformed
   std::vector<ProbeReport> probes;
-  std::optional<MotionReport> motion = {};  ///< in time
+  std::optional<MotionReport> motion = {};   ///< in time
+  std::optional<ContactState> contact = {};  ///< where the scene has contact
 };
 
 /// The mesh as it was solved on.

@@ -18,6 +18,7 @@
 #include "scene/fields.hpp"
 #include "scene/scene.hpp"
 #include "scene/state_report.hpp"
+#include "solve/load_steps.hpp"
 #include "solve/report.hpp"
 #include "solve/scene_check.hpp"
 #include "solve/solve.hpp"
@@ -63,11 +64,12 @@ PetscErrorCode solve(MPI_Comm comm, const SceneOptions &options, double begin, i
   double output_seconds = 0;
   PetscFunctionBeginUser;
   PetscCall(build_scene(comm, options, &scene));
+  PetscCall(choose_load_steps(&scene));
   if (options.check) {
     PetscCall(print_scene_check(scene));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  FieldOutput output(scene, has_series(options));
+  FieldOutput output(scene, has_series(scene.options));
   bool is_written = false;  // of the last state that was seen
   const auto observe = [&](double t, PetscInt iterations, bool is_loose) {
     PetscFunctionBeginUser;

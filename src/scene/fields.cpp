@@ -118,6 +118,9 @@ PetscErrorCode check_outputs(MPI_Comm comm, const SceneOptions &options) {
   const std::string &path = options.output_file;
   PetscFunctionBeginUser;
   if (!path.empty()) PetscCall(check_writable(comm, path));
+  if (!options.contact.iterates.empty()) {
+    PetscCall(check_writable(comm, options.contact.iterates));
+  }
   for (const std::string &file : {options.csv_file, options.record_file}) {
     if (!file.empty()) PetscCall(check_text_file(comm, file));
   }

@@ -6,6 +6,7 @@
 #include "mesh/io/load_mesh.hpp"
 #include "scene/bent_cells_check.hpp"
 #include "scene/constraints.hpp"
+#include "scene/contact_scene.hpp"
 #include "scene/loads.hpp"
 #include "scene/regions.hpp"
 #include "support/petsc_compatibility.hpp"
@@ -93,6 +94,7 @@ PetscErrorCode print_choices(MPI_Comm comm, Scene *scene) {
 Scene::~Scene() {
   static_cast<void>(VecDestroy(&displacement));  // errors have nowhere to go from here
   static_cast<void>(MatDestroy(&hessian));
+  static_cast<void>(MatDestroy(&spreading));
 }
 
 PetscErrorCode write_mesh(MPI_Comm comm, const SceneOptions &options) {
@@ -141,6 +143,7 @@ PetscErrorCode build_scene(MPI_Comm comm, const SceneOptions &options, Scene *sc
     scene->motion = std::make_unique<MovingBody>(*scene);
     PetscCall(scene->motion->set_up(region_of_cell));
   }
+  if (options.contact.is_on) PetscCall(add_contact(region_of_cell, scene));
   PetscCall(scene->probes.find(scene->mesh, options.probes));
   scene->cells = std::make_unique<CellStates>(scene->mesh, options, std::move(region_of_cell));
   PetscCall(measure_regions(scene->mesh, options, *scene->cells, &scene->regions));
@@ -148,6 +151,7 @@ PetscErrorCode build_scene(MPI_Comm comm, const SceneOptions &options, Scene *sc
   PetscCall(print_choices(comm, scene));
   PetscCall(scene->discretization.create_vector(&scene->displacement));
   PetscCall(scene->discretization.create_matrix(&scene->hessian));
+  if (scene->contact) PetscCall(scene->discretization.create_matrix(&scene->spreading));
   if (options.assembly == "split") PetscCall(scene->functional->prepare(scene->hessian));
   PetscCall(PetscTime(&end));
   scene->read_seconds = loaded - begin;

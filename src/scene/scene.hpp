@@ -11,6 +11,7 @@
 #include "scene/probes.hpp"
 #include "scene/scene_options.hpp"
 #include "scene/solver_choice.hpp"
+#include "term/contact_term.hpp"
 
 namespace trefoil {
 
@@ -21,6 +22,7 @@ struct Scene {
   Discretization discretization;
   std::unique_ptr<EnergyFunctional> functional;
   Constraints constraints;
+  ContactTerm *contact = nullptr;  ///< of the functional; null: the scene has none
   Loads loads;
   Probes probes;
   std::unique_ptr<CellStates> cells;     ///< for output
@@ -29,9 +31,13 @@ struct Scene {
   std::vector<RegionReport> regions;
   std::vector<std::string> warnings;
   Mat hessian = nullptr;
+  Mat spreading = nullptr;     ///< of the cells' pattern, where H has another
   Vec displacement = nullptr;  ///< the unknowns; the start, later the solution
   SolverChoice linear_solver;  ///< made where the scene is solved
   double read_seconds = 0, setup_seconds = 0;
+
+  /// The matrix for spreading displacements.
+  [[nodiscard]] Mat matrix_of_cells() const { return spreading ? spreading : hessian; }
 
   ~Scene();
 };

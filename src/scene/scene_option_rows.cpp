@@ -239,6 +239,7 @@ std::vector<OptionGroup> scene_option_groups() {
   static ConstraintOptions constraint{"NAME"};
   static LoadOptions load{"NAME"};
   static ProbeOptions probe{"NAME"};
+  static ObstacleOptions obstacle{"NAME"};
   static MaterialInput material, region_material;
   static std::vector<std::string> none;
   material.model = options.material.model;
@@ -257,6 +258,9 @@ std::vector<OptionGroup> scene_option_groups() {
        joined({{names_row("regions", none)}, region_rows(region), of_region})},
       {"Constraints", joined({{names_row("constraints", none)}, constraint_rows(constraint)})},
       {"Loads", joined({gravity_rows(options.loads), {names_row("loads", none)}, load_rows(load)})},
+      {"Contact", joined({contact_rows(options.contact),
+                          {names_row("obstacles", none)},
+                          obstacle_rows(obstacle)})},
       {"Solve", joined({solve_rows(options), time_rows(options.time)})},
       {"Output", joined({output_rows(options), {names_row("probes", none)}, probe_rows(probe)})},
   };

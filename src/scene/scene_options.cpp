@@ -136,6 +136,11 @@ PetscErrorCode check_files(MPI_Comm comm, const SceneOptions &options) {
       {"mesh_write", options.mesh_write},
       {"output_csv", options.csv_file},
       {"snes_trefoil_record", options.record_file}};
+  if (!options.contact.iterates.empty()) {
+    for (const std::string &file : files_of_output(options.contact.iterates)) {
+      written.emplace_back("contact_iterates", file);
+    }
+  }
   if (!options.output_file.empty()) {
     const std::vector<std::string> files = files_of_output(options.output_file);
     for (auto file = files.rbegin(); file != files.rend(); ++file) {
@@ -227,6 +232,7 @@ PetscErrorCode read_scene_options(MPI_Comm comm, SceneOptions *options) {
   PetscCall(read_regions(comm, reader, options));
   PetscCall(read_constraints(comm, reader, options));
   PetscCall(read_loads(comm, reader, &options->loads));
+  PetscCall(read_contact(comm, reader, &options->contact));
   PetscCall(reader.read(solve_rows(*options)));
   PetscCall(read_time(comm, reader, &options->time));
   options->loads.is_in_time = options->time.is_on;

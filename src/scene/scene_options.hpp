@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "scene/contact_options.hpp"
 #include "scene/material_options.hpp"
 #include "scene/time_options.hpp"
 
@@ -71,6 +72,7 @@ struct SceneOptions {
   std::vector<RegionOptions> regions;
   std::vector<ConstraintOptions> constraints;
   LoadsOptions loads;
+  ContactOptions contact;
   double where_tolerance = 1e-9;  ///< of every `where`: ==, <= and >= hold within, box diagonals
   std::string load_steps = "1";   ///< a number, or auto
   double first_load_step = 0.25;  ///< length of the first one, of `auto`

@@ -127,6 +127,13 @@ PetscErrorCode describe_state(Scene &scene, double t, StateReport *state) {
   PetscCall(find_largest_displacement(scene, u, &state->largest_displacement));
   PetscCall(look_at_cells(scene, u, state));
   PetscCall(scene.probes.report(u, &state->probes));
+  state->contact.reset();
+  if (scene.contact) {
+    ContactReport contact;
+    PetscCall(scene.contact->report(u, &contact));
+    state->contact = {contact.energy,     contact.gap,   scene.contact->parameters().distance,
+                      contact.stiffening, contact.pairs, contact.friction_solves};
+  }
   PetscCall(scene.discretization.restore_local(&local, &u));
   state->energy = sums.energy + energy_rest;
   state->strain_energy = sums.strain_energy;

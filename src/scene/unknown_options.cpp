@@ -208,7 +208,7 @@ class Suggestion {
       return "; the scene has no " + one + " '" + part + "': name it in -" + one + "s, or write " +
              one + "s: {" + part + ": {...}}";
     }
-    for (const std::string one : {"constraint", "load", "region"}) {
+    for (const std::string one : {"constraint", "load", "region", "obstacle"}) {
       if (option.rfind(one + "_", 0) == 0) {
         return "; the names of the " + one + "s come from -" + one + "s";
       }
@@ -218,13 +218,13 @@ class Suggestion {
 
   /// How a scene file writes it.
   static std::string in_yaml(const std::string &name) {
-    for (const std::string one : {"constraint", "load", "region"}) {
+    for (const std::string one : {"constraint", "load", "region", "obstacle"}) {
       const std::size_t begin = one.size() + 1, end = name.find('_', begin);
       if (name.rfind(one + "_", 0) != 0 || end == std::string::npos) continue;
       return ", in a scene file " + one + "s: {" + name.substr(begin, end - begin) + ": {" +
              name.substr(end + 1) + ": ...}}";
     }
-    for (const std::string section : {"mesh", "material", "output", "load"}) {
+    for (const std::string section : {"mesh", "material", "output", "load", "contact"}) {
       if (name.rfind(section + "_", 0) != 0) continue;
       return ", in a scene file " + section + ": {" + name.substr(section.size() + 1) + ": ...}";
     }

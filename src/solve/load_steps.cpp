@@ -10,7 +10,7 @@ LoadPath::~LoadPath() {
   }
 }
 
-PetscErrorCode LoadPath::check(double first, double last) {
+PetscErrorCode LoadPath::changes(double first, double last, bool *any) {
   const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(scene_.mesh.dm));
   HeldDofs held_first, held_last;
   std::vector<double> first_forces, last_forces;
@@ -23,9 +23,18 @@ PetscErrorCode LoadPath::check(double first, double last) {
     PetscCall(scene_.loads.forces(last, &last_forces));
   }
   changes = scene_.loads.any_follows() || held_first.value != held_last.value ||
-            first_forces != last_forces;
+            first_forces != last_forces || (scene_.contact && scene_.contact->moves(first, last));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &changes, 1, MPI_INT, MPI_MAX, comm));
-  PetscCheck(changes, comm, PETSC_ERR_USER_INPUT,
+  *any = changes != 0;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode LoadPath::check(double first, double last) {
+  const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(scene_.mesh.dm));
+  bool any = false;
+  PetscFunctionBeginUser;
+  PetscCall(changes(first, last, &any));
+  PetscCheck(any, comm, PETSC_ERR_USER_INPUT,
              "-load_steps %s would repeat one solve: nothing is moved or loaded, or all that is "
              "stays the same from t = 0 to 1",
              scene_.options.load_steps.c_str());
@@ -48,7 +57,8 @@ PetscErrorCode LoadPath::follow(GuessCost *cost) {
   PetscFunctionBeginUser;
   if (!spread_) PetscCall(VecDuplicate(scene_.displacement, &spread_));
   PetscCall(VecSet(spread_, 0));
-  PetscCall(spread_displacements(*scene_.functional, scene_.discretization, scene_.hessian, 0,
+  PetscCall(spread_displacements(*scene_.functional, scene_.discretization,
+                                 scene_.matrix_of_cells(), 0,
                                  scene_.linear_solver.kind != SolverKind::direct, spread_, &spent));
   if (stand_) {
     PetscCall(VecAXPY(scene_.displacement, 1, spread_));
@@ -94,6 +104,17 @@ PetscErrorCode LoadPath::go_back() {
   } else {
     PetscCall(VecSet(scene_.displacement, 0));
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode choose_load_steps(Scene *scene) {
+  PetscBool given = PETSC_FALSE;
+  bool changes = false;
+  PetscFunctionBeginUser;
+  PetscCall(PetscOptionsHasName(nullptr, nullptr, "-load_steps", &given));
+  if (given || !scene->contact || scene->motion) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(LoadPath(*scene).changes(0.5, 1, &changes));
+  if (changes) scene->options.load_steps = "auto";
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

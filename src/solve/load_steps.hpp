@@ -15,6 +15,8 @@ class LoadPath {
   LoadPath &operator=(const LoadPath &) = delete;
   ~LoadPath();
 
+  /// Whether anything is prescribed otherwise at one time than at another. Collective.
+  PetscErrorCode changes(double first, double last, bool *any);
   /// Refuses a path on which nothing changes between two times. Collective.
   PetscErrorCode check(double first, double last);
 
@@ -48,5 +50,9 @@ class LoadPath {
   /// Harmonic extensions of the prescribed displacements: at this time, and at that of the stand.
   Vec spread_ = nullptr, spread_of_stand_ = nullptr;
 };
+
+/// With contact, the way to where things go has to be free: in steps, unless the user says how
+/// many. Collective.
+PetscErrorCode choose_load_steps(Scene *scene);
 
 }  // namespace trefoil

@@ -200,7 +200,7 @@ PetscErrorCode make_start(Scene &scene, SolveOutcome *outcome) {
     PetscCall(set_initial_displacement(scene.options.initial_displacement, scene.discretization,
                                        scene.displacement));
   } else if (initial != "rest") {
-    PetscCall(spread_displacements(*scene.functional, scene.discretization, scene.hessian,
+    PetscCall(spread_displacements(*scene.functional, scene.discretization, scene.matrix_of_cells(),
                                    initial == "arap" ? scene.options.initial_steps : 0,
                                    scene.linear_solver.kind != SolverKind::direct,
                                    scene.displacement, &outcome->guess));

@@ -6,6 +6,7 @@
 
 #include "scene/initial_displacement.hpp"
 #include "scene/unknown_options.hpp"
+#include "solve/contact_path.hpp"
 #include "solve/load_steps.hpp"
 #include "solve/path.hpp"
 #include "solve/run_record.hpp"
@@ -34,7 +35,8 @@ class Walk {
         outcome_(outcome),
         comm_(PetscObjectComm(reinterpret_cast<PetscObject>(scene.mesh.dm))),
         sizes_(step_sizes_of(scene.options)),
-        path_(scene) {}
+        path_(scene),
+        contact_(scene) {}
 
   PetscErrorCode go();
 
@@ -42,6 +44,7 @@ class Walk {
   [[nodiscard]] bool has_steps() const { return sizes_.count() != 1; }
   PetscErrorCode say_step(double time) const;
   PetscErrorCode take_step(double time, Attempt *attempt);
+  PetscErrorCode follow_friction(double head_start, Attempt *attempt);
   PetscErrorCode accept(double time, const Attempt &attempt);
   PetscErrorCode reject(double time, const Attempt &attempt, bool *goes_on);
   void record(const Attempt &attempt, bool is_rejected);
@@ -52,6 +55,8 @@ class Walk {
   MPI_Comm comm_;
   StepSizes sizes_;
   LoadPath path_;
+  ContactPath contact_;
+  bool is_broken_ = false;  ///< the last equilibrium was none: surfaces intersect in it
   RunRecord record_of_run_{"load_step"};
   PetscLogDouble begin_ = 0;
   PetscInt64 inverted_ = 0;  ///< elements, at the last equilibrium that stands
@@ -77,7 +82,26 @@ PetscErrorCode Walk::take_step(double time, Attempt *attempt) {
   if (!path_.has_stand()) PetscCall(make_start(scene_, outcome_));
   PetscCall(PetscTime(&now));
   const double head_start = has_steps() ? now - begin_ : outcome_->guess.seconds;
+  if (contact_.exists()) {
+    PetscCall(contact_.move_to(time, &attempt->reason));
+    if (!attempt->reason.empty()) PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCall(solve_from_start(scene_, {head_start, sizes_.is_adaptive()}, *outcome_, attempt));
+  if (contact_.exists()) PetscCall(follow_friction(head_start, attempt));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Solves again with the friction of what was found, as often as the options want it.
+PetscErrorCode Walk::follow_friction(double head_start, Attempt *attempt) {
+  PetscFunctionBeginUser;
+  while (attempt->converged) {
+    bool again = false;
+    PetscCall(contact_.repeats(attempt->iterations, &again));
+    if (!again) break;
+    record(*attempt, false);
+    *attempt = {};
+    PetscCall(solve_from_start(scene_, {head_start, true}, *outcome_, attempt));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -89,6 +113,12 @@ void Walk::record(const Attempt &attempt, bool is_rejected) {
 PetscErrorCode Walk::accept(double time, const Attempt &attempt) {
   constexpr PetscInt easy_iterations = 8;
   PetscFunctionBeginUser;
+  if (contact_.exists()) {
+    PetscCall(contact_.accept(time, &outcome_->failure));
+    is_broken_ = !outcome_->failure.empty();
+    if (is_broken_) PetscFunctionReturn(PETSC_SUCCESS);
+    PetscCall(scene_.functional->accept_step(scene_.displacement));
+  }
   record(attempt, false);
   inverted_ = attempt.inverted;
   if (has_steps()) PetscCall(path_.accept());
@@ -132,8 +162,9 @@ PetscErrorCode Walk::go() {
   bool goes_on = true;
   PetscFunctionBeginUser;
   if (has_steps()) PetscCall(path_.check(sizes_.next() < 1 ? sizes_.next() : 0.5, 1));
+  if (contact_.exists()) PetscCall(contact_.begin());
   PetscCall(PetscTime(&begin_));
-  while (!sizes_.is_done() && goes_on) {
+  while (!sizes_.is_done() && goes_on && !is_broken_) {
     const double time = sizes_.next();
     Attempt attempt;
     PetscCall(take_step(time, &attempt));

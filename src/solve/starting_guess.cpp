@@ -85,32 +85,6 @@ PetscErrorCode give_mumps_memory(PC pc) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode set_solver(KSP ksp, bool iterative) {
-  PC pc = nullptr;
-  PetscMPIInt ranks = 0;
-  PetscFunctionBeginUser;
-  PetscCall(KSPGetPC(ksp, &pc));
-  PetscCallMPI(MPI_Comm_size(PetscObjectComm(reinterpret_cast<PetscObject>(ksp)), &ranks));
-  if (iterative) {
-    PetscCall(KSPSetType(ksp, KSPCG));
-    PetscCall(KSPSetTolerances(ksp, 1e-4, PETSC_DEFAULT, PETSC_DEFAULT, 500));
-    PetscCall(PCSetType(pc, PCGAMG));
-  } else {
-    PetscCall(KSPSetType(ksp, KSPPREONLY));
-    PetscCall(PCSetType(pc, PCCHOLESKY));
-#if defined(PETSC_HAVE_SUITESPARSE)
-    if (ranks == 1) PetscCall(PCFactorSetMatSolverType(pc, MATSOLVERCHOLMOD));
-#endif
-#if defined(PETSC_HAVE_MUMPS)
-    if (ranks > 1) PetscCall(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
-#endif
-  }
-  PetscCall(KSPSetOptionsPrefix(ksp, "guess_"));
-  PetscCall(KSPSetFromOptions(ksp));
-  PetscCall(give_mumps_memory(pc));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode ComponentSolver::set_up(const Discretization &discretization, Mat H) {
   PetscFunctionBeginUser;
   PetscCall(find_unknowns(discretization, H));
@@ -126,7 +100,7 @@ PetscErrorCode ComponentSolver::set_up(const Discretization &discretization, Mat
       PetscCall(MatSetOption(laplace, MAT_SPD, PETSC_TRUE));
       PetscCall(KSPCreate(PetscObjectComm(reinterpret_cast<PetscObject>(H)), &solver_[i]));
       PetscCall(KSPSetOperators(solver_[i], laplace, laplace));
-      PetscCall(set_solver(solver_[i], iterative_));
+      PetscCall(set_guess_solver(solver_[i], iterative_));
       PetscCall(MatDestroy(&laplace));
     }
     Mat laplace = nullptr;
@@ -153,6 +127,32 @@ PetscErrorCode ComponentSolver::correct(Vec g, Vec x) {
 }
 
 }  // namespace
+
+PetscErrorCode set_guess_solver(KSP ksp, bool iterative) {
+  PC pc = nullptr;
+  PetscMPIInt ranks = 0;
+  PetscFunctionBeginUser;
+  PetscCall(KSPGetPC(ksp, &pc));
+  PetscCallMPI(MPI_Comm_size(PetscObjectComm(reinterpret_cast<PetscObject>(ksp)), &ranks));
+  if (iterative) {
+    PetscCall(KSPSetType(ksp, KSPCG));
+    PetscCall(KSPSetTolerances(ksp, 1e-4, PETSC_DEFAULT, PETSC_DEFAULT, 500));
+    PetscCall(PCSetType(pc, PCGAMG));
+  } else {
+    PetscCall(KSPSetType(ksp, KSPPREONLY));
+    PetscCall(PCSetType(pc, PCCHOLESKY));
+#if defined(PETSC_HAVE_SUITESPARSE)
+    if (ranks == 1) PetscCall(PCFactorSetMatSolverType(pc, MATSOLVERCHOLMOD));
+#endif
+#if defined(PETSC_HAVE_MUMPS)
+    if (ranks > 1) PetscCall(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
+#endif
+  }
+  PetscCall(KSPSetOptionsPrefix(ksp, "guess_"));
+  PetscCall(KSPSetFromOptions(ksp));
+  PetscCall(give_mumps_memory(pc));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
 PetscErrorCode spread_displacements(const EnergyFunctional &functional,
                                     const Discretization &discretization, Mat H,

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <petscmat.h>
+#include <petscksp.h>
 
 #include "assembly/energy_functional.hpp"
 
@@ -28,5 +28,9 @@ PetscErrorCode spread_displacements(const EnergyFunctional &functional,
                                     const Discretization &discretization, Mat H,
                                     PetscInt rotation_steps, bool iterative, Vec x,
                                     GuessCost *cost);
+
+/// A solver for symmetric positive definite matrices, whose options begin with -guess_: direct, or
+/// conjugate gradients with multigrid.
+PetscErrorCode set_guess_solver(KSP ksp, bool iterative);
 
 }  // namespace trefoil

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "solve/contact_path.hpp"
 #include "solve/run_record.hpp"
 #include "solve/scene_solver.hpp"
 #include "solve/start_check.hpp"
@@ -21,7 +22,8 @@ class TimeWalk {
         comm_(PetscObjectComm(reinterpret_cast<PetscObject>(scene.mesh.dm))),
         options_(scene.options.time),
         steps_(*options_.end, *options_.step, options_.shortest_step()),
-        solver_(scene) {}
+        solver_(scene),
+        contact_(scene) {}
 
   PetscErrorCode go();
 
@@ -39,6 +41,7 @@ class TimeWalk {
   const TimeOptions &options_;
   TimeSteps steps_;
   SceneSolver solver_;
+  ContactPath contact_;
   RunRecord record_{"time_step"};
   double tolerated_length_ = 0;  ///< of the step that the solver's tolerance is for
 };
@@ -50,6 +53,7 @@ PetscErrorCode TimeWalk::start() {
   PetscCall(make_start(scene_, outcome_));
   PetscCall(solver_.set_up(*outcome_, outcome_->guess.seconds));
   PetscCall(scene_.motion->start());
+  if (contact_.exists()) PetscCall(contact_.begin());
   PetscCall(scene_.functional->energy(scene_.displacement, &sums));
   PetscCall(check_start(scene_, sums.energy));
   PetscCall(scene_.motion->accelerate());
@@ -89,12 +93,23 @@ PetscErrorCode TimeWalk::take_step(Attempt *attempt) {
   PetscCall(set_tolerance(steps_.length()));
   PetscCall(say_step());
   PetscCall(scene_.motion->begin_step(steps_.length(), steps_.next()));
+  if (contact_.exists()) {
+    PetscCall(contact_.move_to(steps_.next(), &attempt->reason));
+    if (!attempt->reason.empty()) PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCall(scene_.functional->energy(scene_.displacement, &sums));
   if (!std::isfinite(sums.energy)) {
     attempt->reason = "what is held moves so far that its start has infinite energy";
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(solver_.solve(attempt));
+  while (contact_.exists() && attempt->converged) {
+    bool again = false;
+    PetscCall(contact_.repeats(attempt->iterations, &again));
+    if (!again) break;
+    record_.add(attempt->record, steps_.accepted() + 1, false);
+    PetscCall(solver_.solve(attempt));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -128,6 +143,10 @@ PetscErrorCode TimeWalk::go() {
     if (!attempt.converged) {
       PetscCall(reject(attempt, &goes_on));
       continue;
+    }
+    if (contact_.exists()) {
+      PetscCall(contact_.accept(steps_.next(), &outcome_->failure));
+      if (!outcome_->failure.empty()) break;
     }
     PetscCall(scene_.motion->accept(steps_.next()));
     steps_.accept();

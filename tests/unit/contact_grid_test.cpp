@@ -4,6 +4,7 @@
 #include <map>
 #include <set>
 
+#include "contact/candidate_list.hpp"
 #include "contact/candidates.hpp"
 #include "contact/separation.hpp"
 #include "contact/sorted_grid.hpp"
@@ -326,6 +327,44 @@ TEST(Candidates, OfWildSteps) {
   EXPECT_EQ(find_candidates(surface, x, step, {0.01}).share, 1);
   step[7] = std::nan("");
   EXPECT_EQ(find_candidates(surface, x, step, {0.01}).share, 0);
+}
+
+/// Where a list says that it serves, it has all pairs that are there.
+TEST(CandidateList, CoversWhatItSays) {
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal(0, 1);
+  const Surface surface = tetrahedra(40, 0.3, 2, random);
+  const std::vector<double> x = surface.rest_positions();
+  const PairSearch search{0.1};
+  std::vector<double> step(x.size()), moved(x.size());
+  for (double &s : step) s = 0.2 * normal(random);
+  CandidateList around, along;
+  EXPECT_FALSE(around.covers(x));
+  around.find(surface, x, search);
+  along.find(surface, x, step, search);
+  int covered[2] = {0, 0};
+  const auto check = [&](const CandidateList &list, int &count) {
+    if (!list.covers(moved)) return;
+    ++count;
+    const auto there = find_candidates(surface, moved, search);
+    EXPECT_TRUE(
+        std::includes(list.pairs().begin(), list.pairs().end(), there.begin(), there.end()));
+  };
+  for (int k = 0; k < 40; ++k) {
+    const double t = -0.1 + 1.2 * k / 39, off = k % 3 ? 0 : 1e-2 * normal(random);
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      moved[i] = x[i] + t * step[i] + (i % 3 == 0 ? off : 0);
+    }
+    check(along, covered[0]);
+    for (std::size_t i = 0; i < x.size(); ++i) moved[i] = x[i] + 0.02 * normal(random);
+    check(around, covered[1]);
+  }
+  EXPECT_GT(covered[0], 15);
+  EXPECT_LT(covered[0], 35);  // beyond its ends and beside it there is none
+  for (std::size_t i = 0; i < x.size(); ++i) moved[i] = x[i] + (i % 3 == 0 ? 0.06 : 0);
+  EXPECT_FALSE(around.covers(moved));
+  for (std::size_t i = 0; i < x.size(); ++i) moved[i] = x[i] + (i % 3 == 0 ? 0.04 : 0);
+  EXPECT_TRUE(around.covers(moved));
 }
 
 TEST(Candidates, NothingThere) {

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <petscvec.h>
+
+#include <string>
+#include <vector>
+
+#include "scene/scene.hpp"
+
+namespace trefoil {
+
+/// What contact asks of who walks from one equilibrium to the next: everything that moves must be
+/// free to, and friction lags behind.
+class ContactPath {
+ public:
+  explicit ContactPath(Scene &scene) : scene_(scene) {}
+  ContactPath(const ContactPath &) = delete;
+  ContactPath &operator=(const ContactPath &) = delete;
+  ~ContactPath();
+
+  /// Whether the scene has contact; nothing else may be called where it has none.
+  [[nodiscard]] bool exists() const;
+  /// Begins at t = 0 with the bodies at rest, or, in time, as they are. Collective. Error: surfaces
+  /// intersect there.
+  PetscErrorCode begin();
+  /// Checks the way from the last equilibrium to the scene's displacement and prescribed values, of
+  /// this time. Where unknowns that follow would be in the way they stay where they were, or, where
+  /// they are pushed, go where the linearised energy sends them.
+  /// @param blocked one sentence where the way is not free, or nothing
+  PetscErrorCode move_to(double time, std::string *blocked);
+  /// After a solve: whether friction asks for another one, with its forces of this state.
+  /// @param iterations that the solve took
+  PetscErrorCode repeats(PetscInt iterations, bool *again);
+  /// Takes the scene's displacement as an equilibrium. @param broken one sentence where surfaces
+  /// intersect, which the exact test says; it is not taken then
+  PetscErrorCode accept(double time, std::string *broken);
+
+ private:
+  PetscErrorCode copy_local(std::vector<double> *u) const;
+  PetscErrorCode predict(const std::vector<double> &target, double time, double share);
+  PetscErrorCode hold_between(const std::vector<double> &target, double time, double at);
+
+  Scene &scene_;
+  double time_ = 0;
+  std::vector<double> stand_;  ///< local displacements of the last equilibrium, held ones too
+  Vec unknowns_ = nullptr;     ///< the same as unknowns
+  int solves_ = 0;             ///< in this step
+};
+
+}  // namespace trefoil

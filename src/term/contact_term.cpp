@@ -1,0 +1,351 @@
+#include "term/contact_term.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "support/petsc_compatibility.hpp"
+
+namespace trefoil {
+
+using contact::ContactPair;
+using contact::FrictionPair;
+using contact::Vector3;
+
+ContactTerm::ContactTerm(std::unique_ptr<ContactSurface> surface, ContactParameters parameters,
+                         std::vector<HalfSpaceObstacle> planes, std::vector<ObstacleMotion> motions)
+    : surface_(std::move(surface)),
+      parameters_(std::move(parameters)),
+      law_{.distance = parameters_.distance},
+      planes_(std::move(planes)),
+      motions_(std::move(motions)),
+      plane_friction_(planes_.size()) {
+  has_pairs_ = parameters_.self_contact || surface_->first_obstacle() > 1 || !motions_.empty();
+  origin_.assign(3 * this->surface().vertices.size(), 0);
+}
+
+contact::PairSearch ContactTerm::search(double reach) const {
+  return {.reach = reach, .self_contact = parameters_.self_contact, .rank = surface_->rank()};
+}
+
+contact::HalfSpace ContactTerm::plane_at(std::size_t which, double time) const {
+  contact::HalfSpace plane = planes_[which].at_rest;
+  plane.offset += contact::dot(plane.normal, planes_[which].displacement(time));
+  return plane;
+}
+
+/// Adds the obstacles' displacements to their vertices.
+void ContactTerm::move_obstacles(double time, Positions *x, bool keep) const {
+  const double sign = keep ? 1 : -1;
+  for (std::size_t k = 0; k < motions_.size(); ++k) {
+    const std::vector<Vector3> moved = motions_[k](time);
+    auto at = static_cast<std::size_t>(3 * surface_->obstacle_begin()[k]);
+    for (const Vector3 &displacement : moved) {
+      for (int i = 0; i < 3; ++i) (*x)[at++] += sign * displacement[i];
+    }
+  }
+}
+
+PetscErrorCode ContactTerm::positions_at(const double *u, double time, Positions *x) const {
+  PetscFunctionBeginUser;
+  PetscCall(surface_->gather(u, x));
+  std::size_t k = 0;
+  for (const contact::SurfaceVertex &vertex : surface().vertices) {
+    for (int i = 0; i < 3; ++i) (*x)[k++] += vertex.rest[i];
+  }
+  move_obstacles(time, x);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode ContactTerm::positions(const double *u, Positions *x) const {
+  PetscFunctionBeginUser;
+  PetscCall(positions_at(u, time_, x));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// This rank's pairs that may be nearer than dhat.
+const std::vector<ContactPair> &ContactTerm::candidates_at(const Positions &x) const {
+  if (has_pairs_ && !candidates_.covers(x)) {
+    candidates_.find(surface(), x, search(law_.distance));
+  }
+  return candidates_.pairs();
+}
+
+PetscErrorCode ContactTerm::add_energy(const double *u, EnergySums *sums) const {
+  Positions x, v;
+  PetscFunctionBeginUser;
+  PetscCall(positions(u, &x));
+  double energy = contact::contact_energy(surface(), law_, candidates_at(x), x);
+  for (std::size_t k = 0; k < planes_.size(); ++k) {
+    energy += contact::half_space_energy(surface(), law_, plane_at(k, time_),
+                                         surface_->own_vertices(), x);
+  }
+  sums->energy += energy;
+  sums->scale += energy;
+  if (!rubs()) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(slip(u, &v));
+  const double e = parameters_.slip_velocity * slip_time_;
+  sums->energy += contact::friction_energy(friction_, v, e);
+  for (const auto &pairs : plane_friction_) {
+    sums->energy += contact::friction_energy(pairs, v, e);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode ContactTerm::add_gradient(const double *u, double *gradient) const {
+  Positions x, v, forces(3 * surface().vertices.size(), 0);
+  PetscFunctionBeginUser;
+  PetscCall(positions(u, &x));
+  contact::add_contact_gradient(surface(), law_, candidates_at(x), x, forces);
+  for (std::size_t k = 0; k < planes_.size(); ++k) {
+    contact::add_half_space_gradient(surface(), law_, plane_at(k, time_), surface_->own_vertices(),
+                                     x, forces);
+  }
+  if (rubs()) {
+    const double e = parameters_.slip_velocity * slip_time_;
+    PetscCall(slip(u, &v));
+    contact::add_friction_gradient(friction_, v, e, forces);
+    for (const auto &pairs : plane_friction_) {
+      contact::add_friction_gradient(pairs, v, e, forces);
+    }
+  }
+  PetscCall(surface_->add_at_owners(forces, gradient));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+namespace {
+
+/// The places of a pair's unknowns in the whole system.
+std::array<PetscInt, 12> dofs_of(const ContactSurface &surface,
+                                 const std::array<int, 4> &vertices) {
+  std::array<PetscInt, 12> dofs;
+  dofs.fill(-1);
+  for (std::size_t a = 0; a < 4; ++a) {
+    if (vertices[a] < 0) continue;
+    std::copy_n(surface.dofs(vertices[a]).begin(), 3, dofs.begin() + 3 * a);
+  }
+  return dofs;
+}
+
+/// Takes matrices of pairs in plain functions and gives them to a sink.
+class PairSink {
+ public:
+  PairSink(const ContactSurface &surface, StencilSink &sink) : surface_(surface), sink_(sink) {}
+
+  void add(const std::array<int, 4> &vertices, const double *H, const double *N) {
+    if (error_) return;
+    const auto dofs = dofs_of(surface_, vertices);
+    const bool is_split = N && std::any_of(N, N + 144, [](double entry) { return entry != 0; });
+    const Stencil stencil{.n = 12, .dofs = dofs.data(), .global = true};
+    error_ = sink_.add_split(stencil, H, N, is_split ? 1 : 0);
+  }
+  void add_vertex(int vertex, const double *H) {
+    if (error_) return;
+    const Stencil stencil{.n = 3, .dofs = surface_.dofs(vertex).data(), .global = true};
+    error_ = sink_.add_split(stencil, H, nullptr, 0);
+  }
+  [[nodiscard]] PetscErrorCode error() const { return error_; }
+
+ private:
+  const ContactSurface &surface_;
+  StencilSink &sink_;
+  PetscErrorCode error_ = PETSC_SUCCESS;
+};
+
+}  // namespace
+
+PetscErrorCode ContactTerm::add_hessian(const double *u, StencilSink &sink) const {
+  Positions x, v;
+  PairSink pairs(*surface_, sink);
+  PetscFunctionBeginUser;
+  PetscCall(positions(u, &x));
+  contact::contact_hessians(surface(), law_, candidates_at(x), x, [&](const auto &pair) {
+    pairs.add(pair.vertices, pair.H.data(), pair.N.data());
+  });
+  for (std::size_t k = 0; k < planes_.size(); ++k) {
+    const contact::HalfSpace plane = plane_at(k, time_);
+    contact::half_space_hessians(surface(), law_, plane, surface_->own_vertices(), x,
+                                 [&](int vertex, double curvature) {
+                                   double H[9];
+                                   for (int i = 0; i < 9; ++i)
+                                     H[i] = curvature * plane.normal[i / 3] * plane.normal[i % 3];
+                                   pairs.add_vertex(vertex, H);
+                                 });
+  }
+  if (rubs()) {
+    const double e = parameters_.slip_velocity * slip_time_;
+    const auto add = [&](const auto &pair) { pairs.add(pair.vertices, pair.H.data(), nullptr); };
+    PetscCall(slip(u, &v));
+    contact::friction_hessians(friction_, v, e, add);
+    for (const auto &of_plane : plane_friction_) contact::friction_hessians(of_plane, v, e, add);
+  }
+  PetscCall(pairs.error());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+namespace {
+
+/// A quadratic model on a line or a plane: slopes along the directions, and curvatures.
+struct PlaneModel {
+  double slope[2] = {0, 0}, curvature[2][2] = {{0, 0}, {0, 0}};
+};
+
+/// A sink that keeps nothing but the curvatures of H + N along directions of the surface.
+class CurvatureSum {
+ public:
+  CurvatureSum(const std::vector<std::vector<double>> &d, PlaneModel *model)
+      : d_(d), model_(model) {}
+
+  void add(std::span<const int> vertices, const double *H, const double *N) {
+    const std::size_t n = 3 * vertices.size();
+    for (std::size_t k = 0; k < d_.size(); ++k) {
+      for (std::size_t l = 0; l < d_.size(); ++l) {
+        for (std::size_t i = 0; i < n; ++i) {
+          for (std::size_t j = 0; j < n; ++j) {
+            const double entry = H[n * i + j] + (N ? N[n * i + j] : 0);
+            model_->curvature[k][l] += at(k, vertices, i) * entry * at(l, vertices, j);
+          }
+        }
+      }
+    }
+  }
+
+ private:
+  [[nodiscard]] double at(std::size_t k, std::span<const int> vertices, std::size_t i) const {
+    const int vertex = vertices[i / 3];
+    return vertex < 0 ? 0 : d_[k][3 * static_cast<std::size_t>(vertex) + i % 3];
+  }
+  const std::vector<std::vector<double>> &d_;
+  PlaneModel *model_;
+};
+
+}  // namespace
+
+PetscErrorCode ContactTerm::add_energy_changes(const double *u, std::size_t, int directions,
+                                               const double *const *d, int points,
+                                               const double *coefficients, double *changes) const {
+  Positions x, v, forces(3 * surface().vertices.size(), 0);
+  std::vector<std::vector<double>> all(static_cast<std::size_t>(directions));
+  PlaneModel model;
+  PetscFunctionBeginUser;
+  PetscCall(positions(u, &x));
+  for (std::size_t k = 0; k < all.size(); ++k) PetscCall(surface_->gather(d[k], &all[k]));
+  CurvatureSum sum(all, &model);
+  const auto add_pair = [&](const auto &pair) {
+    sum.add(pair.vertices, pair.H.data(), pair.N.data());
+  };
+  const std::vector<ContactPair> &pairs = candidates_at(x);
+  contact::add_contact_gradient(surface(), law_, pairs, x, forces);
+  contact::contact_hessians(surface(), law_, pairs, x, add_pair);
+  for (std::size_t k = 0; k < planes_.size(); ++k) {
+    const contact::HalfSpace plane = plane_at(k, time_);
+    contact::add_half_space_gradient(surface(), law_, plane, surface_->own_vertices(), x, forces);
+    contact::half_space_hessians(surface(), law_, plane, surface_->own_vertices(), x,
+                                 [&](int vertex, double curvature) {
+                                   double H[9];
+                                   for (int i = 0; i < 9; ++i)
+                                     H[i] = curvature * plane.normal[i / 3] * plane.normal[i % 3];
+                                   sum.add(std::span<const int>(&vertex, 1), H, nullptr);
+                                 });
+  }
+  if (rubs()) {
+    const double e = parameters_.slip_velocity * slip_time_;
+    const auto add = [&](const auto &pair) { sum.add(pair.vertices, pair.H.data(), nullptr); };
+    PetscCall(slip(u, &v));
+    contact::add_friction_gradient(friction_, v, e, forces);
+    contact::friction_hessians(friction_, v, e, add);
+    for (const auto &of_plane : plane_friction_) {
+      contact::add_friction_gradient(of_plane, v, e, forces);
+      contact::friction_hessians(of_plane, v, e, add);
+    }
+  }
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    for (std::size_t i = 0; i < forces.size(); ++i) model.slope[k] += forces[i] * all[k][i];
+  }
+  for (int p = 0; p < points; ++p) {
+    const double *c = coefficients + directions * p;
+    for (int k = 0; k < directions; ++k) {
+      changes[p] += c[k] * model.slope[k];
+      for (int l = 0; l < directions; ++l) changes[p] += 0.5 * c[k] * c[l] * model.curvature[k][l];
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Pairs of vertices that have unknowns, sorted.
+std::vector<ContactTerm::VertexPair> ContactTerm::vertex_pairs(
+    std::span<const ContactPair> pairs) const {
+  std::vector<VertexPair> result;
+  const auto append = [&](const std::array<int, 4> &vertices) {
+    for (std::size_t a = 0; a < 4; ++a) {
+      for (std::size_t b = a + 1; b < 4; ++b) {
+        if (vertices[a] < 0 || vertices[b] < 0) continue;
+        if (surface_->global_vertex(vertices[a]) < 0) continue;
+        if (surface_->global_vertex(vertices[b]) < 0) continue;
+        result.push_back(std::minmax(vertices[a], vertices[b]));
+      }
+    }
+  };
+  for (const ContactPair &pair : pairs) append(contact::vertices_of(surface(), pair));
+  for (const FrictionPair &pair : friction_) append(pair.vertices);
+  std::sort(result.begin(), result.end());
+  result.erase(std::unique(result.begin(), result.end()), result.end());
+  return result;
+}
+
+/// Places for more than is needed now, a skin, so that they serve for a while.
+PetscErrorCode ContactTerm::choose_pairs(const double *u, bool *changed) {
+  constexpr double skin = 2;
+  Positions x;
+  PetscFunctionBeginUser;
+  PetscCall(positions(u, &x));
+  const auto needed =
+      vertex_pairs(contact::pairs_within(surface(), candidates_at(x), x, law_.distance));
+  PetscMPIInt missing =
+      !std::includes(pattern_.begin(), pattern_.end(), needed.begin(), needed.end());
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &missing, 1, MPI_INT, MPI_MAX, surface_->comm()));
+  *changed = missing != 0;
+  if (!*changed) PetscFunctionReturn(PETSC_SUCCESS);
+  pattern_ = vertex_pairs(contact::find_candidates(surface(), x, search(skin * law_.distance)));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void ContactTerm::append_pairs(VertexPairs *pairs) const {
+  for (const auto &[a, b] : pattern_) {
+    pairs->first.push_back(surface_->global_vertex(a));
+    pairs->second.push_back(surface_->global_vertex(b));
+  }
+}
+
+PetscErrorCode ContactTerm::limit_step(const double *u, const double *d, double first,
+                                       double *largest) const {
+  Positions x, step;
+  PetscFunctionBeginUser;
+  if (observer_) PetscCall(observer_(u));
+  PetscCall(positions(u, &x));
+  PetscCall(surface_->gather(d, &step));
+  for (double &s : step) s *= first;
+  double share = 1;
+  if (has_pairs_) {
+    candidates_.find(surface(), x, step, search(law_.distance));
+    share = contact::allowed_step(surface(), candidates_.pairs(), x, step, parameters_.limits,
+                                  candidates_.share())
+                .step;
+    share = std::min(share, candidates_.share());
+  }
+  for (std::size_t k = 0; k < planes_.size(); ++k) {
+    const contact::HalfSpace plane = plane_at(k, time_);
+    share = std::min(share, contact::allowed_step(plane, plane, surface_->own_vertices(), x, step,
+                                                  parameters_.limits)
+                                .step);
+  }
+  *largest = std::min(*largest, share * first);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+double ContactTerm::bytes() const {
+  return surface_->bytes() + candidates_.bytes() +
+         static_cast<double>(pattern_.capacity() * sizeof(VertexPair) +
+                             friction_.capacity() * sizeof(FrictionPair));
+}
+
+}  // namespace trefoil

@@ -1,0 +1,150 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "contact/contact.hpp"
+#include "term/contact_surface.hpp"
+#include "term/term.hpp"
+
+namespace trefoil {
+
+/// A half-space without unknowns, that may move without turning.
+struct HalfSpaceObstacle {
+  std::string name;
+  contact::HalfSpace at_rest;
+  std::function<contact::Vector3(double time)> displacement;
+  double friction = 0;  ///< mu of every body against it
+};
+
+/// How an obstacle of a surface moves: displacements of its points, in their order.
+using ObstacleMotion = std::function<std::vector<contact::Vector3>(double time)>;
+
+/// The numbers of contact.
+struct ContactParameters {
+  double distance = 0;  ///< dhat: what is farther apart feels no force
+  bool self_contact = true;
+  contact::StepLimits limits;  ///< how much of a gap a step may use up
+  double slip_velocity = 0;    ///< below which friction sticks, length per time
+  FilterWeight weight = FilterWeight::clamp;
+  contact::FrictionOfBodies friction;  ///< mu between bodies; null: none anywhere
+};
+
+/// What is in contact at a state.
+struct ContactReport {
+  double energy = 0;                                     ///< of the barriers
+  double gap = std::numeric_limits<double>::infinity();  ///< the least one; infinite: >= dhat
+  PetscInt64 pairs = 0;                                  ///< nearer than dhat
+  double stiffening = 1;                                 ///< times the stiffness that was asked for
+  int friction_solves = 0;  ///< of the last step: how often friction got new forces
+};
+
+/// How far bodies and obstacles can go from one state to another.
+struct AllowedMotion {
+  double share = 1;    ///< of the way
+  std::string what{};  ///< what ends it: "edge (3, 4) and edge (8, 9) of the mesh"
+};
+
+/// Contact of bodies with themselves, with each other and with obstacles: barriers of the distances
+/// of nearby pairs of primitives, and the lagged friction between them. The surface is the same on
+/// every rank, each pair belongs to one of them. All functions that return an error code are
+/// collective.
+class ContactTerm final : public Term {
+ public:
+  ContactTerm(std::unique_ptr<ContactSurface> surface, ContactParameters parameters,
+              std::vector<HalfSpaceObstacle> planes, std::vector<ObstacleMotion> motions);
+
+  /// The scale is that of the barriers.
+  PetscErrorCode add_energy(const double *u, EnergySums *sums) const override;
+  /// Of the quadratic model at u: beyond a wall distances are positive again, energies there say
+  /// nothing.
+  PetscErrorCode add_energy_changes(const double *u, std::size_t size, int directions,
+                                    const double *const *d, int points, const double *coefficients,
+                                    double *changes) const override;
+  PetscErrorCode add_gradient(const double *u, double *gradient) const override;
+  [[nodiscard]] HessianKind hessian_kind() const override { return HessianKind::stencils; }
+  PetscErrorCode add_hessian(const double *u, StencilSink &sink) const override;
+  [[nodiscard]] FilterWeight filter_weight() const override { return parameters_.weight; }
+
+  [[nodiscard]] bool couples_pairs() const override { return has_pairs_; }
+  PetscErrorCode choose_pairs(const double *u, bool *changed) override;
+  void append_pairs(VertexPairs *pairs) const override;
+
+  PetscErrorCode set_time(double time) override;
+  PetscErrorCode begin_step(const StepState &state) override;
+  PetscErrorCode accept_step(const double *u) override;
+  [[nodiscard]] bool limits_step() const override { return true; }
+  PetscErrorCode limit_step(const double *u, const double *d, double first,
+                            double *largest) const override;
+  [[nodiscard]] double bytes() const override;
+
+  /// The way from a state to another, straight, obstacles included, is free so far.
+  PetscErrorCode find_allowed_motion(const double *from, double time_from, const double *to,
+                                     double time_to, AllowedMotion *motion) const;
+  /// The first of the surface's intersections at u, of which there are `count`; exact.
+  PetscErrorCode find_intersections(const double *u, PetscInt64 *count, std::string *first) const;
+  /// The least gap at u: how far, of what is nearer than `reach`, the nearest is apart, and what it
+  /// is.
+  PetscErrorCode find_gap(const double *u, double reach, double *gap, std::string *pair) const;
+  PetscErrorCode report(const double *u, ContactReport *report) const;
+  /// Makes u the state from which friction has its forces and directions.
+  PetscErrorCode lag_friction(const double *u);
+  /// Leaves friction out of energies and of their derivatives.
+  void ignore_friction(bool ignored) { ignores_friction_ = ignored; }
+  [[nodiscard]] bool has_friction() const;
+  /// Whether an obstacle is elsewhere at one time than at another.
+  [[nodiscard]] bool moves(double one_time, double another) const;
+
+  /// Shows every state from which a step begins; may be null.
+  using Observer = std::function<PetscErrorCode(const double *u)>;
+  void observe_iterates(Observer observer) { observer_ = std::move(observer); }
+
+  [[nodiscard]] const ContactSurface &contact_surface() const { return *surface_; }
+  [[nodiscard]] const ContactParameters &parameters() const { return parameters_; }
+  void set_distance(double distance) { parameters_.distance = law_.distance = distance; }
+
+ private:
+  using Positions = std::vector<double>;  ///< 3 numbers a vertex of the surface
+  using VertexPair = std::pair<int, int>;
+
+  [[nodiscard]] const contact::Surface &surface() const { return surface_->surface(); }
+  [[nodiscard]] contact::PairSearch search(double reach) const;
+  [[nodiscard]] contact::HalfSpace plane_at(std::size_t which, double time) const;
+  void move_obstacles(double time, Positions *x, bool keep = true) const;
+  PetscErrorCode positions(const double *u, Positions *x) const;
+  PetscErrorCode positions_at(const double *u, double time, Positions *x) const;
+  const std::vector<contact::ContactPair> &candidates_at(const Positions &x) const;
+  PetscErrorCode slip(const double *u, Positions *v) const;
+  [[nodiscard]] bool rubs() const;
+  [[nodiscard]] std::string name_of(const contact::ContactPair &pair) const;
+  [[nodiscard]] std::string name_of(int body, std::span<const int> vertices) const;
+  [[nodiscard]] std::vector<VertexPair> vertex_pairs(
+      std::span<const contact::ContactPair> pairs) const;
+  PetscErrorCode share_first(double *value, std::string *what) const;
+
+  std::unique_ptr<ContactSurface> surface_;
+  ContactParameters parameters_;
+  contact::ContactLaw law_;
+  std::vector<HalfSpaceObstacle> planes_;
+  std::vector<ObstacleMotion> motions_;
+  Observer observer_;
+  bool has_pairs_ = true;
+  double time_ = 0;
+  mutable contact::CandidateList candidates_;
+  std::vector<VertexPair> pattern_;  ///< sorted; what H has places for
+
+  // Friction: of the state that was accepted last, and the step since.
+  std::vector<contact::FrictionPair> friction_;                     ///< of pairs
+  std::vector<std::vector<contact::FrictionPair>> plane_friction_;  ///< of each half-space
+  int lags_ = 0, lags_of_step_ = 0;  ///< of friction: in the step under way, and in the last
+  Positions origin_;                 ///< displacements at its begin
+  double accepted_time_ = 0;
+  bool ignores_friction_ = false;
+  bool has_scheme_ = false;  ///< of time, which says what the slip's time is
+  double slip_time_ = 0;     ///< of the step: a slip over it is a velocity
+};
+
+}  // namespace trefoil

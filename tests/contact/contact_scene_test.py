@@ -1,0 +1,184 @@
+#!/usr/bin/python3
+"""Scenes with contact: no accepted iterate and no state intersects itself or an obstacle, which
+exact.py says independently; friction sticks and slips; ranks agree; what cannot be is refused."""
+import json
+import os
+import sys
+import tempfile
+import unittest
+
+import exact
+import mesh_files
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+sys.path.insert(0, os.path.join(os.path.dirname(HERE), "scene"))
+from trefoil_program import run  # noqa: E402
+
+BOX = ["-mesh_generate", "box", "-mesh_resolution", "3", "-material_young", "1e5",
+       "-material_poisson", "0.3"]
+FLOOR = ["-obstacles", "floor", "-obstacle_floor_plane", "0, 0, 1", "-obstacle_floor_at",
+         "0, 0, -0.1"]
+TOP = ["-constraints", "top", "-constraint_top_where", "z == zmax"]
+PRESSED = [*BOX, *FLOOR, *TOP, "-constraint_top_move", "0, 0, -0.3"]
+KNOT = ["-mesh_generate", "knot", "-material_young", "1e6", "-material_poisson", "0.4",
+        "-constraints", "left,right",
+        "-constraint_left_where", "x < xmin + 0.12*(xmax-xmin)",
+        "-constraint_left_move", "-0.3*(xmax-xmin), 0, 0",
+        "-constraint_right_where", "x > xmax - 0.12*(xmax-xmin)",
+        "-constraint_right_move", "0.3*(xmax-xmin), 0, 0"]
+CONE = """v 0.2 0.2 1.6
+v 0.8 0.2 1.6
+v 0.8 0.8 1.6
+v 0.2 0.8 1.6
+v 0.5 0.5 1.05
+f 5 2 1
+f 5 3 2
+f 5 4 3
+f 5 1 4
+f 1 2 3 4
+"""
+
+
+def boxes_file(path, gap):
+    """Two unit cubes of six tetrahedra each, one above the other; a Medit file."""
+    corners = [(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 1)]
+    split = [(0, 1, 3, 7), (0, 3, 2, 7), (0, 2, 6, 7), (0, 6, 4, 7), (0, 4, 5, 7), (0, 5, 1, 7)]
+    points = [(x, y, z) for x, y, z in corners]
+    points += [(0.1 + 0.8 * x, 0.15 + 0.8 * y, z + 1 + gap) for x, y, z in corners]
+    cells = [tuple(8 * body + c for c in cell) for body in (0, 1) for cell in split]
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(f"MeshVersionFormatted 2\nDimension 3\nVertices\n{len(points)}\n")
+        file.writelines(f"{x} {y} {z} 0\n" for x, y, z in points)
+        file.write(f"Tetrahedra\n{len(cells)}\n")
+        file.writelines(" ".join(str(c + 1) for c in cell) + " 0\n" for cell in cells)
+        file.write("End\n")
+
+
+class ContactTest(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = folder.name
+
+    def path(self, name):
+        return os.path.join(self.folder, name)
+
+    def solve(self, options, ranks=1, status=0):
+        """The record of a run, whose states and iterates are all free of intersections."""
+        result = run([*options, "-output_file", "run.xdmf", "-contact_iterates", "iterates.xdmf",
+                      "-snes_trefoil_record", "run.json"], ranks, self.folder)
+        self.assertEqual(result.returncode, status, result.stdout)
+        with open(self.path("run.json"), encoding="utf-8") as file:
+            record = json.load(file)
+        self.assertGreater(self.states("run.xdmf"), 0)
+        self.assertGreaterEqual(self.states("iterates.xdmf"), record["result"]["iterations"] // 2)
+        return record
+
+    def states(self, name):
+        count = 0
+        for step in mesh_files.steps_of(self.path(name)):
+            self.assertEqual(exact.intersections_of(step), [], f"{name}, {step.name}")
+            count += 1
+        return count
+
+    def refused(self, options, *words):
+        result = run(options, folder=self.folder)
+        self.assertEqual(result.returncode, 1, result.stdout)
+        for word in words:
+            self.assertIn(word, result.stdout)
+
+
+class HalfSpace(ContactTest):
+    def test_a_block_pressed_onto_a_floor_on_any_ranks(self):
+        results = [self.solve(PRESSED, ranks)["result"] for ranks in (1, 2, 4)]
+        for result in results:
+            self.assertAlmostEqual(result["energy"] / results[0]["energy"], 1, delta=1e-12)
+            # Of first order in what the solver leaves; contact_term_test compares the same state.
+            for key in ("contact_energy", "min_gap"):
+                self.assertAlmostEqual(result[key] / results[0][key], 1, delta=1e-7, msg=key)
+        result = results[0]
+        self.assertGreater(result["truncated"], 0)
+        self.assertGreater(result["contact_energy"], 0)
+        self.assertLess(0, result["min_gap"])
+        self.assertLess(result["min_gap"], result["contact_distance"])
+        for step in mesh_files.steps_of(self.path("iterates.xdmf")):
+            self.assertGreater(step.points[:, 2].min(), -0.1)
+
+    def test_friction_holds_up_to_its_cone(self):
+        """Pressed, then pulled sideways: sticks at first, slips with mu times the normal force."""
+        options = [*BOX, *FLOOR, *TOP, "-obstacle_floor_friction", "0.4", "-load_steps", "12",
+                   "-constraint_top_move", "0.4*max(0, t - 0.5), 0, -0.2*min(1, 2*t)"]
+        steps = self.solve(options)["steps"]
+        forces = [step["reaction"]["top"] for step in steps]
+        ratios = [force[0] / -force[2] if force[2] < -1 else 0 for force in forces]
+        self.assertLess(max(ratios), 0.4 * 1.005)
+        self.assertGreater(ratios[-1], 0.4 * 0.98)
+        sticking = ratios[steps.index(next(s for s in steps if s["t"] > 0.58))]
+        self.assertLess(sticking, 0.3)
+        self.assertTrue(all(step["friction_iterations"] == 1 for step in steps))
+
+    def test_in_the_plane(self):
+        self.solve(["-mesh_generate", "square", "-mesh_resolution", "4", "-constraints", "top",
+                    "-constraint_top_where", "y == ymax", "-constraint_top_move", "0, -0.3",
+                    "-obstacles", "floor", "-obstacle_floor_plane", "0.2, 1",
+                    "-obstacle_floor_at", "0, -0.1"])
+
+
+class Bodies(ContactTest):
+    def test_a_knot_meets_itself(self):
+        record = self.solve([*KNOT, "-contact_self"])
+        self.assertGreater(record["result"]["contact_pairs"], 10)
+        # Without contact the same knot goes through itself.
+        result = run([*KNOT, "-output_file", "free.xdmf"], folder=self.folder)
+        self.assertEqual(result.returncode, 0, result.stdout)
+        found = [exact.intersections_of(step)
+                 for step in mesh_files.steps_of(self.path("free.xdmf"))]
+        self.assertTrue(any(found))
+
+    def test_a_body_on_another_on_any_ranks(self):
+        boxes_file(self.path("boxes.mesh"), 0.05)
+        options = ["-mesh_file", "boxes.mesh", "-mesh_refine", "1", "-contact_distance", "0.01",
+                   "-contact_friction", "0.2", "-constraints", "low,high",
+                   "-constraint_low_where", "z == zmin", "-constraint_high_where", "z == zmax",
+                   "-constraint_high_move", "0.1, 0, -0.2"]
+        results = [self.solve(options, ranks)["result"] for ranks in (1, 2, 4)]
+        for result in results:
+            self.assertAlmostEqual(result["energy"] / results[0]["energy"], 1, delta=1e-9)
+            self.assertAlmostEqual(result["min_gap"] / results[0]["min_gap"], 1, delta=1e-6)
+        self.assertGreater(results[0]["contact_pairs"], 10)
+
+    def test_an_obstacle_from_a_file(self):
+        with open(self.path("cone.obj"), "w", encoding="utf-8") as file:
+            file.write(CONE)
+        self.solve([*BOX, "-constraints", "low", "-constraint_low_where", "z == zmin",
+                    "-obstacles", "cone", "-obstacle_cone_file", "cone.obj",
+                    "-obstacle_cone_move", "0, 0, -0.08"])
+
+
+class Refused(ContactTest):
+    def test_what_meets_at_rest(self):
+        boxes_file(self.path("boxes.mesh"), -0.05)
+        self.refused(["-mesh_file", "boxes.mesh", "-contact_self", "-constraints", "all",
+                      "-constraint_all_where", "z == zmin || z == zmax"],
+                     "the rest shape intersects", "edge (", "triangle (", "near (")
+        self.refused([*BOX, *TOP, "-obstacles", "floor", "-obstacle_floor_plane", "0, 0, 1",
+                      "-obstacle_floor_at", "0, 0, 0.5"], "lies in obstacle 'floor'")
+
+    def test_what_touches_at_rest(self):
+        boxes_file(self.path("boxes.mesh"), 1e-9)
+        self.refused(["-mesh_file", "boxes.mesh", "-contact_self", "-constraints", "all",
+                      "-constraint_all_where", "z == zmin || z == zmax"], "too near for contact")
+
+    def test_options(self):
+        self.refused([*PRESSED, "-order", "2"], "linear elements")
+        self.refused([*PRESSED, "-assembly", "hook"], "-assembly hook")
+        self.refused([*BOX, *TOP, "-obstacles", "wall"], "obstacle 'wall' needs either")
+        self.refused([*PRESSED, "-contact_distance", "2"], "-contact_distance is 2")
+        self.refused([*PRESSED, "-contact_stiffness", "soft"], "-contact_stiffness is soft")
+        self.refused([*PRESSED, "-contact_distanc", "1e-3"], "-contact_distance")
+        self.refused([*BOX, *TOP, "-obstacles", "ball", "-obstacle_ball_file", "ball.ply"],
+                     "give an .obj or an .stl")
+
+
+if __name__ == "__main__":
+    unittest.main()
