@@ -155,6 +155,32 @@ class Bodies(ContactTest):
                     "-obstacle_cone_move", "0, 0, -0.08"])
 
 
+class InTime(ContactTest):
+    """A block falls by a hundredth of its size onto an incline of tan = 0.5 and stays, or slides."""
+
+    def slide(self, mu):
+        options = ["-mesh_generate", "box", "-mesh_resolution", "1", "-material_young", "1e7",
+                   "-material_poisson", "0.3", "-material_density", "1e3",
+                   "-load_gravity", "9.81*0.4472135955, 0, -9.81*0.894427191",
+                   "-time_end", "0.5", "-time_step", "0.025", "-obstacles", "ramp",
+                   "-obstacle_ramp_plane", "0, 0, 1", "-obstacle_ramp_at", "0, 0, -0.002",
+                   "-obstacle_ramp_friction", str(mu), "-contact_friction_iterations", "3",
+                   "-contact_slip_velocity", "1e-4", "-probe_corner", "0, 0, 0", "-probes", "corner"]
+        steps = self.solve(options)["steps"]
+        return [step["probes"]["corner"][0] for step in steps]
+
+    def test_friction_above_the_slope_holds(self):
+        x = self.slide(0.55)
+        self.assertLess(abs(x[-1] - x[10]), 1e-3)
+
+    def test_friction_below_the_slope_slides(self):
+        x = self.slide(0.25)
+        a = 9.81 * 0.894427191 * (0.5 - 0.25)
+        # Second differences of the last steps are the acceleration.
+        last = (x[-1] - 2 * x[-5] + x[-9]) / (4 * 0.025) ** 2
+        self.assertAlmostEqual(last / a, 1, delta=0.02)
+
+
 class Refused(ContactTest):
     def test_what_meets_at_rest(self):
         boxes_file(self.path("boxes.mesh"), -0.05)
