@@ -139,7 +139,7 @@ void check_mode(const std::string &scheme, const std::string &order, const std::
 
   Oscillator oscillator{scheme, w, amplitude, 0};
   int steps = 0;
-  const auto observe = [&](double t, PetscInt) {
+  const auto observe = [&](double t, PetscInt, bool) {
     MotionReport motion;
     Vec difference = nullptr;
     PetscReal size = 0, error = 0;

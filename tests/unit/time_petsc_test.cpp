@@ -145,7 +145,7 @@ TEST(TimePetscTest, TheSameStatesAsBackwardEulerOfPetsc) {
   ASSERT_EQ(build_scene(PETSC_COMM_WORLD, read, &other), PETSC_SUCCESS);
   std::vector<double> velocity;
   const auto &dofs = scene.discretization.global_dofs();
-  const auto observe = [&](double t, PetscInt) {
+  const auto observe = [&](double t, PetscInt, bool) {
     PetscFunctionBeginUser;
     if (t > 0) PetscFunctionReturn(PETSC_SUCCESS);
     velocity.resize(static_cast<std::size_t>(scene.discretization.total_dofs()));
