@@ -71,7 +71,7 @@ std::vector<OptionRow> contact_rows(ContactOptions &contact) {
        "share of the diagonal of the bodies' box"},
       {"contact_stiffness", &contact.stiffness,
        "Of the barrier; auto: a tenth of the softer body's Young's modulus", "force per area"},
-      {"contact_friction", &contact.friction, "Coefficient of friction", "", {}, true},
+      {"contact_friction", &contact.friction, "Coefficient of friction"},
       {"contact_friction_iterations", &contact.friction_iterations,
        "Solves a step, each with the contact forces of the last; -1: until they fit, 20 at most"},
       {"contact_slip_velocity", &contact.slip_velocity, "Below which friction sticks",
@@ -92,9 +92,9 @@ std::vector<OptionRow> obstacle_rows(ObstacleOptions &obstacle) {
   const std::string option = "obstacle_" + obstacle.name;
   return {
       {option + "_plane", &obstacle.plane, "Half-space: its outward normal", "", {}, true},
-      {option + "_at", &obstacle.at, "A point of its face; the origin without", "length", {}, true},
-      {option + "_file", &obstacle.file, "Instead: a surface, .obj or .stl", "", {}, true},
-      {option + "_move", &obstacle.move, "Displacement in x y z t; 0 without", "length", {}, true},
+      {option + "_at", &obstacle.at, "A point of its face; the origin without", "length"},
+      {option + "_file", &obstacle.file, "Instead: a surface, .obj or .stl"},
+      {option + "_move", &obstacle.move, "Displacement in x y z t; 0 without", "length"},
       {option + "_friction", &obstacle.friction,
        "Coefficient of friction, where not -contact_friction"},
   };

@@ -118,7 +118,7 @@ PetscErrorCode read_material(MPI_Comm comm, OptionReader &reader, const std::str
 /// Lame's constants lambda and mu of small strains about rest.
 static std::array<double, 2> lame_at_rest(const MaterialOptions &options) {
   const Matrix3<double> at_rest;  // H = 0
-  Tangent<double> A;  // dP_ij/dF_kl at 9 (3 i + j) + 3 k + l
+  Tangent<double> A;              // dP_ij/dF_kl at 9 (3 i + j) + 3 k + l
   make_material(options)->tangent(at_rest, A);
   return {A[9 * 0 + 4], A[9 * 1 + 1]};
 }
