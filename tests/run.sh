@@ -10,6 +10,6 @@ cd "$(dirname "$0")/.."
 # shellcheck disable=SC2086 # one word a package
 sh cmake/setup.sh tests ${TREFOIL_TEST_PACKAGES:-}
 status=0
-ctest --test-dir build --output-on-failure "$@" || status=$?
 [ $# -gt 0 ] || sh tests/sanitize.sh || status=$?
+ctest --test-dir build --output-on-failure "$@" || status=$?
 exit $status
