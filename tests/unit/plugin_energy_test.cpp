@@ -220,6 +220,23 @@ TEST(SignTest, MinusTheGradientIsRefused) {
   }
 }
 
+// Steps far too long for a stiff energy, whose shorter ones rounding drowns: the one difference
+// quotient that can be told says nothing of the slope.
+TEST(SignTest, RoundingIsNotTakenForAForeignObjective) {
+  Plain host(Objective::energy);
+  host.chain.energy_unit = 1e5;
+  const std::vector<double> start = convex_start(host.chain);
+  double slope = 0;
+  for (const double g : host.chain.gradient(start)) slope += g * g;
+  const double noise = 1e3 * 8 * PETSC_MACHINE_EPSILON;  // of the size of the energy
+  host.chain.constant = 1e-2 * slope / noise / host.chain.energy_unit;
+  host.option("snes_trefoil_proxy", "identity");
+  host.option("snes_linesearch_max_it", "3");
+  const CaughtError error;
+  EXPECT_EQ(host.solve(start), PETSC_SUCCESS) << error.sentence;
+  EXPECT_EQ(host.reason, SNES_DIVERGED_LINE_SEARCH) << host.record.at("result").at("reason");
+}
+
 /// sum of sqrt(1 + x_i^2): Hessians that are but a diagonal, and Newton steps from 2 that go to -8.
 struct Loose {
   bool spoil = false;  ///< the residual, not the energy, beyond -1
