@@ -52,6 +52,8 @@ class Reader {
         const std::string kind = has_value ? words[i + 1] : "";
         if (kind == "all") {
           arguments_.words = {"-help"};
+        } else if (kind == "keys") {
+          arguments_.task = Arguments::Task::keys;
         } else {
           arguments_.task = kind == "man" ? Arguments::Task::manual : Arguments::Task::help;
         }

@@ -13,6 +13,7 @@ struct Arguments {
     help,     ///< --help, -h
     version,  ///< --version
     manual,   ///< --help man
+    keys,     ///< --help keys
   };
   Task task = Task::run;
   std::vector<std::string> words;        ///< options and values for PETSc, those of files included

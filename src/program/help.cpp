@@ -25,6 +25,11 @@ std::string joined(const std::vector<std::string> &words) {
   return list;
 }
 
+/// What it is, and the choices there are.
+std::string meaning_of(const OptionRow &row) {
+  return row.choices.empty() ? row.help : row.help + ": " + joined(row.choices);
+}
+
 const char *name_of_kernels() {
   switch (chosen_instruction_set()) {
     case InstructionSet::avx512:
@@ -40,8 +45,7 @@ const char *name_of_kernels() {
 }  // namespace
 
 std::string help_of(const OptionRow &row) {
-  std::string text = row.help;
-  if (!row.choices.empty()) text += ": " + joined(row.choices);
+  std::string text = meaning_of(row);
   if (!row.unit.empty()) text += ", " + row.unit;
   const std::string value = default_text(row.target);
   if (!value.empty()) text += " (" + value + ")";
@@ -79,6 +83,17 @@ std::string scene_help() {
     }
   }
   return text.str();
+}
+
+std::string scene_keys() {
+  std::string text;
+  for (const OptionGroup &group : scene_option_groups()) {
+    for (const OptionRow &row : group.rows) {
+      text += group.title + "\t" + row.name + "\t" + meaning_of(row) + "\t" + row.unit + "\t" +
+              default_text(row.target) + "\n";
+    }
+  }
+  return text;
 }
 
 std::string version_text(int ranks) {

@@ -37,7 +37,7 @@ mean what they mean elsewhere.
 .B \-\-check
 builds the scene, tells what it holds, and solves nothing
 .TP
-.BR \-\-help " [" all | man ]
+.BR \-\-help " [" all | keys | man ]
 one screen; all options, with PETSc's; this page
 .TP
 .B \-\-version

@@ -169,6 +169,8 @@ int run_task(Arguments &arguments, double begin, bool *has_failed) {
       return print(short_help(), stdout, success);
     case Arguments::Task::version:
       return print(version_text(ranks), stdout, success);
+    case Arguments::Task::keys:
+      return print(scene_keys(), stdout, success);
     case Arguments::Task::manual:
       return print(manual_page(), stdout, success);
     case Arguments::Task::run:
