@@ -82,10 +82,12 @@ class ContactTest(unittest.TestCase):
         return count
 
     def refused(self, options, *words):
-        result = run(options, folder=self.folder)
-        self.assertEqual(result.returncode, 1, result.stdout)
-        for word in words:
-            self.assertIn(word, result.stdout)
+        for ranks in (1, 2):
+            result = run(options, ranks, self.folder)
+            self.assertEqual(result.returncode, 1, result.stdout)
+            self.assertEqual(result.stdout.count("trefoil: "), 1, result.stdout)
+            for word in words:
+                self.assertIn(word, result.stdout)
 
 
 class HalfSpace(ContactTest):
@@ -195,11 +197,30 @@ class Refused(ContactTest):
         self.refused(["-mesh_file", "boxes.mesh", "-contact_self", "-constraints", "all",
                       "-constraint_all_where", "z == zmin || z == zmax"], "too near for contact")
 
+    def test_what_is_prescribed_into_an_obstacle(self):
+        low = ["-constraints", "low", "-constraint_low_where", "z == zmin", "-constraint_low_move"]
+        for ranks in (1, 2):
+            result = run([*BOX, *FLOOR, *low, "0, 0, -t", "-material_density", "1e3", "-time_end",
+                          "0.2", "-time_step", "0.1", "-time_step_min", "0.02"], ranks, self.folder)
+            self.assertEqual(result.returncode, 3, result.stdout)
+            self.assertIn("what is prescribed cannot move so far: vertex (1) and obstacle 'floor' "
+                          "would meet", result.stdout)
+
     def test_options(self):
         self.refused([*PRESSED, "-order", "2"], "linear elements")
         self.refused([*PRESSED, "-assembly", "hook"], "-assembly hook")
         self.refused([*BOX, *TOP, "-obstacles", "wall"], "obstacle 'wall' needs either")
         self.refused([*PRESSED, "-contact_distance", "2"], "-contact_distance is 2")
+        self.refused([*PRESSED, "-contact_ccd", "2"], "-contact_ccd is 2")
+        self.refused([*PRESSED, "-contact_friction", "-1"], "-contact_friction is -1")
+        self.refused([*PRESSED, "-contact_friction", "0.3", "-contact_slip_velocity", "0"],
+                     "-contact_slip_velocity is 0")
+        self.refused([*PRESSED, "-contact_friction_iterations", "0"],
+                     "-contact_friction_iterations is 0")
+        self.refused([*PRESSED, "-obstacle_floor_plane", "0, 0, 0"], "is no direction")
+        self.refused([*BOX, *FLOOR], "let the body move rigidly")
+        self.refused([*BOX, *TOP, "-obstacles", "ball", "-obstacle_ball_file", "none.obj"],
+                     "cannot read 'none.obj'")
         self.refused([*PRESSED, "-contact_stiffness", "soft"], "-contact_stiffness is soft")
         self.refused([*PRESSED, "-contact_distanc", "1e-3"], "-contact_distance")
         self.refused([*BOX, *TOP, "-obstacles", "ball", "-obstacle_ball_file", "ball.ply"],
