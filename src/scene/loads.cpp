@@ -350,6 +350,28 @@ PetscErrorCode Loads::add_at_rims(const double *u, std::vector<double> *gradient
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode Loads::share_of_loose_rims(const double *u, const std::vector<PetscInt> &dofs,
+                                          double *share) const {
+  std::vector<double> forces(mesh_->coordinates.size(), 0), rims(mesh_->coordinates.size(), 0);
+  double sums[2] = {0, 0};  // at free rims, everywhere
+  PetscFunctionBeginUser;
+  *share = 0;
+  if (!any_follows()) PetscFunctionReturn(PETSC_SUCCESS);
+  for (const Chosen &load : chosen_) {
+    if (load.follower) load.follower->add_surface_force(u, forces.data());
+  }
+  PetscCall(sum_at_owners(*mesh_, &forces));
+  PetscCall(add_at_rims(u, &rims));
+  for (std::size_t k = 0; k < rims.size(); ++k) {
+    if (dofs[k] >= 0) sums[0] += std::abs(rims[k]);
+    sums[1] += std::abs(forces[k]);
+  }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sums, 2, MPI_DOUBLE, MPI_SUM,
+                             PetscObjectComm(reinterpret_cast<PetscObject>(mesh_->dm))));
+  if (sums[1] > 0) *share = sums[0] / sums[1];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode Loads::report(double time, const double *u, std::vector<LoadReport> *reports) {
   std::vector<double> forces;
   PetscFunctionBeginUser;

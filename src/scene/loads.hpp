@@ -53,6 +53,13 @@ class Loads {
   /// potentials, at the vertices of rims; owned vertices, 3 a local one. Collective.
   PetscErrorCode add_at_rims(const double *u, std::vector<double> *gradient) const;
 
+  /// What rims that are free make of pressures that follow the body: the forces that only their
+  /// potentials have there, as a share of the pressures' own, both summed over vertices and
+  /// directions without their signs; 0 without such a pressure. `dofs` are negative where the body
+  /// is held. Collective.
+  PetscErrorCode share_of_loose_rims(const double *u, const std::vector<PetscInt> &dofs,
+                                     double *share) const;
+
   /// Sentences about choices that the tolerance would change.
   [[nodiscard]] const std::vector<std::string> &warnings() const { return warnings_; }
 

@@ -23,6 +23,31 @@ PetscErrorCode describe_mesh(const Scene &scene, MeshReport *report) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// Says where a pressure that follows the body does more at a free rim than push: the body is then
+/// in balance with what is no pressure there. Collective.
+PetscErrorCode warn_of_loose_rims(const Scene &scene, std::vector<std::string> *warnings) {
+  const double much = 1e-3;
+  Vec local = nullptr;
+  const PetscScalar *u = nullptr;
+  double share = 0;
+  char percent[32];
+  PetscFunctionBeginUser;
+  PetscCall(scene.discretization.get_local(scene.displacement, &local, &u));
+  PetscCall(scene.loads.share_of_loose_rims(u, scene.discretization.global_dofs(), &share));
+  PetscCall(scene.discretization.restore_local(&local, &u));
+  if (share <= much) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscSNPrintf(percent, sizeof percent, "%.2g", 100 * share));
+  warnings->push_back(
+      std::string("a pressure that follows the body ends at a rim that is free, where it has no "
+                  "potential: forces at the rim of ") +
+      percent +
+      " % of its own are added, by which reactions and loads differ; let it end where the body is "
+      "held, or at a plane of symmetry, or leave out -load_NAME_follower");
+  PetscCall(PetscPrintf(PetscObjectComm(reinterpret_cast<PetscObject>(scene.mesh.dm)),
+                        "WARNING: %s\n", warnings->back().c_str()));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 }  // namespace
 
 PetscErrorCode fill_report(const Scene &scene, const SolveOutcome &outcome, const StateReport &end,
@@ -45,6 +70,7 @@ PetscErrorCode fill_report(const Scene &scene, const SolveOutcome &outcome, cons
   }
   report->regions = scene.regions;
   report->warnings = scene.warnings;
+  PetscCall(warn_of_loose_rims(scene, &report->warnings));
   if (outcome.inverted > 0) {
     report->warnings.push_back(std::to_string(outcome.inverted) +
                                (outcome.inverted == 1 ? " element is" : " elements are") +

@@ -109,6 +109,26 @@ class Springs(unittest.TestCase):
         self.assertIn("3 of 6 rigid-body modes free", loose.stdout)
 
 
+class Rims(unittest.TestCase):
+    def test_one_that_is_free_is_said(self):
+        """A pressure on the face at the end of a block that bends under another load."""
+        block = ["-mesh_generate", "box", "-mesh_resolution", "3", *MATERIAL, "-constraints", "wall",
+                 "-constraint_wall_where", "z == zmin", "-loads", "p,bend", "-load_p_where",
+                 "x == xmax", "-load_p_pressure", "1e5", "-load_bend_where", "z == zmax",
+                 "-load_bend_force", "0, 5e4, 0"]
+        for ranks in (1, 2, 3):
+            loose = record_of([*block, "-load_p_follower"], ranks)
+            self.assertIn("a rim that is free", "".join(loose["result"]["warnings"]))
+            self.assertIn("WARNING: a pressure that follows", loose["printed"])
+            self.assertEqual(record_of(block, ranks)["result"]["warnings"], [])
+
+    def test_one_in_planes_of_symmetry_is_none(self):
+        record = record_of([*THREE_PLANES, *MATERIAL, "-loads", "p", "-load_p_where",
+                            "x == xmax || y == ymax || z == zmax", "-load_p_pressure", "3e5",
+                            "-load_p_follower"], 2)
+        self.assertEqual(record["result"]["warnings"], [])
+
+
 class Refused(unittest.TestCase):
     def test_in_one_sentence(self):
         scene = [*THREE_PLANES, "-loads", "p", "-load_p_where", "z == zmax"]
