@@ -7,9 +7,9 @@
 /// Meshes in PETSc's HDF5 format, for sizes that one rank should not hold.
 ///
 /// Cells and points lie where DMPlexTopologyView() and DMPlexCoordinatesView() of PETSc 3.18 have
-/// them (/topology/cells, cones, order, orientation; /geometry/vertices), so that
-/// DMPlexTopologyLoad() reads the file as well. The group /trefoil has what a DMPlex does not: the
-/// element, the original file's numbers, and the groups. Every rank reads an even share.
+/// them (/topology/cells, cones, order, orientation; /geometry/vertices). The group /trefoil has
+/// what a DMPlex does not: the element, the original file's numbers, and the groups. Every rank
+/// reads an even share.
 namespace trefoil {
 
 /// Whether a file begins as HDF5 does.

@@ -117,17 +117,13 @@ PetscInt cell_with(const Mesh &mesh, const std::vector<std::vector<PetscInt>> &c
   return -1;
 }
 
-PetscErrorCode write_groups(PetscViewer viewer, const Mesh &mesh, PetscInt first_cell) {
-  PetscMPIInt rank = 0;
-  GroupTables tables;
+/// Of each dimension below the cells': the cell that each entity in a group bounds, its set of
+/// groups, its corners. Collective, so that no rank is left in the writing of them.
+PetscErrorCode rows_of_entities(MPI_Comm comm, const Mesh &mesh, PetscInt first_cell,
+                                std::vector<std::vector<PetscInt>> *rows) {
+  std::string complaint;
   PetscFunctionBeginUser;
-  if (mesh.groups.list().empty()) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCallMPI(MPI_Comm_rank(PetscObjectComm(reinterpret_cast<PetscObject>(viewer)), &rank));
-  if (rank == 0) tables = pack_groups(mesh.groups);
-  PetscCall(write_integers(viewer, hdf5_names::groups, tables.numbers));
-  PetscCall(
-      write_integers(viewer, hdf5_names::group_names, {tables.names.begin(), tables.names.end()}));
-  PetscCall(write_integers(viewer, hdf5_names::cell_set, mesh.groups.set_of_cell));
+  rows->assign(mesh.groups.below.size(), {});
   std::vector<std::vector<PetscInt>> cells_of_vertex(mesh.owned.size());
   const auto width = static_cast<std::size_t>(mesh.nodes_per_cell());
   for (std::size_t k = 0; k < mesh.cells.size(); ++k) {
@@ -137,17 +133,37 @@ PetscErrorCode write_groups(PetscViewer viewer, const Mesh &mesh, PetscInt first
   for (std::size_t dimension = 0; dimension < mesh.groups.below.size(); ++dimension) {
     const GroupedEntities &entities = mesh.groups.below[dimension];
     const std::size_t corners = entities.size() ? entities.vertices.size() / entities.size() : 0;
-    std::vector<PetscInt> rows;
+    std::vector<PetscInt> &row = (*rows)[dimension];
     for (std::size_t e = 0; e < entities.size(); ++e) {
       const PetscInt *corner = &entities.vertices[corners * e];
       const PetscInt cell = cell_with(mesh, cells_of_vertex, corner, corners);
-      PetscCheck(cell >= 0, PETSC_COMM_SELF, PETSC_ERR_PLIB, "what is in a group has no cell");
-      rows.push_back(first_cell + cell);
-      rows.push_back(entities.sets[e]);
+      if (cell < 0) complaint = "what is in a group has no cell";
+      row.push_back(first_cell + cell);
+      row.push_back(entities.sets[e]);
       for (std::size_t a = 0; a < corners; ++a)
-        rows.push_back(mesh.global_vertex[static_cast<std::size_t>(corner[a])]);
+        row.push_back(mesh.global_vertex[static_cast<std::size_t>(corner[a])]);
     }
-    PetscCall(write_integers(viewer, hdf5_names::entities(dimension), rows));
+  }
+  PetscCall(agree_on_complaint(comm, complaint, PETSC_ERR_PLIB));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode write_groups(PetscViewer viewer, const Mesh &mesh, PetscInt first_cell) {
+  const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(viewer));
+  PetscMPIInt rank = 0;
+  GroupTables tables;
+  std::vector<std::vector<PetscInt>> rows;
+  PetscFunctionBeginUser;
+  if (mesh.groups.list().empty()) PetscFunctionReturn(PETSC_SUCCESS);  // the same on all ranks
+  PetscCallMPI(MPI_Comm_rank(comm, &rank));
+  if (rank == 0) tables = pack_groups(mesh.groups);
+  PetscCall(rows_of_entities(comm, mesh, first_cell, &rows));
+  PetscCall(write_integers(viewer, hdf5_names::groups, tables.numbers));
+  PetscCall(
+      write_integers(viewer, hdf5_names::group_names, {tables.names.begin(), tables.names.end()}));
+  PetscCall(write_integers(viewer, hdf5_names::cell_set, mesh.groups.set_of_cell));
+  for (std::size_t dimension = 0; dimension < rows.size(); ++dimension) {
+    PetscCall(write_integers(viewer, hdf5_names::entities(dimension), rows[dimension]));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -163,7 +179,7 @@ PetscErrorCode write_all(MPI_Comm comm, const std::string &part, const Mesh &mes
   PetscCall(write_points(viewer, mesh));
   PetscCall(write_numbers(viewer, mesh));
   PetscCall(write_groups(viewer, mesh, first_cell));
-  PetscCall(PetscViewerDestroy(&viewer));
+  PetscCall(PetscViewerDestroy(&viewer));  // what is buffered meets a full disk here
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -189,11 +205,18 @@ PetscErrorCode write_hdf5_mesh(MPI_Comm comm, const std::string &path, const Mes
   PetscCallMPI(MPI_Bcast(&length, 1, MPI_INT, 0, comm));
   part.resize(static_cast<std::size_t>(length));
   PetscCallMPI(MPI_Bcast(part.data(), length, MPI_CHAR, 0, comm));
-  PetscCall(write_all(comm, part, mesh));
+  // What fails here is said in a sentence of ours, and leaves nothing behind.
+  PetscCall(PetscPushErrorHandler(PetscReturnErrorHandler, nullptr));
+  const PetscErrorCode failure = write_all(comm, part, mesh);
+  PetscCall(PetscPopErrorHandler());
+  if (failure) problem = "HDF5 cannot write it; is there room on the disk?";
+  PetscInt fails = failure ? 1 : 0;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &fails, 1, MPIU_INT, MPI_MAX, comm));
   if (rank == 0) {
     std::error_code error;
-    std::filesystem::rename(part, place, error);
+    if (!fails) std::filesystem::rename(part, place, error);
     if (error) problem = error.message();
+    if (fails || error) std::filesystem::remove(part, error);
   }
   PetscCall(agree_on_complaint(comm, sentence(), PETSC_ERR_FILE_OPEN));
   PetscFunctionReturn(PETSC_SUCCESS);
