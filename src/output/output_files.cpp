@@ -109,15 +109,8 @@ PetscErrorCode FileInParts::share(MPI_Comm comm) {
 }
 
 std::string check_room_on_disk(const std::filesystem::path &file, PetscInt64 bytes) {
-  const int descriptor = open(file.c_str(), O_WRONLY | O_CLOEXEC);
-  if (descriptor < 0) return cannot_write(file, std::strerror(errno));
-  const off_t size = lseek(descriptor, 0, SEEK_END);
-  const int full = posix_fallocate(descriptor, size, static_cast<off_t>(bytes));
-  const bool is_as_before = ftruncate(descriptor, size) == 0;
-  close(descriptor);
-  // Other errors only mean that the file system cannot reserve.
-  const bool is_full = full == ENOSPC || full == EFBIG || full == EDQUOT || !is_as_before;
-  return is_full ? cannot_write(file, std::strerror(full ? full : errno)) : "";
+  const std::string problem = find_no_room(file.string(), bytes);
+  return problem.empty() ? "" : cannot_write(file, problem);
 }
 
 PetscErrorCode check_writable(MPI_Comm comm, const std::string &path) {

@@ -95,6 +95,7 @@ std::vector<OptionRow> material_rows(const std::string &prefix, MaterialInput &i
 PetscErrorCode read_material(MPI_Comm comm, OptionReader &reader, const std::string &prefix,
                              MaterialOptions *options) {
   MaterialInput input = defaults_of(*options);
+  PetscBool model_given = PETSC_FALSE;
   PetscFunctionBeginUser;
   PetscCall(reader.read(material_rows(prefix, input).front()));
   if (input.model != options->model) {  // what only some models know is not handed on to another
@@ -103,6 +104,9 @@ PetscErrorCode read_material(MPI_Comm comm, OptionReader &reader, const std::str
     input.lame = "physical";
   }
   PetscCall(reader.read(material_rows(prefix, input)));
+  PetscCall(PetscOptionsHasName(nullptr, nullptr, ("-" + prefix + "_model").c_str(), &model_given));
+  options->is_named =
+      options->is_named || model_given || input.young || input.poisson || input.mu || input.lambda;
   options->model = input.model;
   options->density = input.density.value_or(options->density);
   PetscCall(set_parameters(comm, prefix, input, &options->parameters));

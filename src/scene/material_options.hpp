@@ -16,7 +16,8 @@ namespace trefoil {
 struct MaterialOptions {
   std::string model = "stable_neo_hookean";
   MaterialParameters parameters{{1e6, 0.45}};
-  double density = 0;  ///< mass per rest volume; for gravity
+  double density = 0;     ///< mass per rest volume; for gravity
+  bool is_named = false;  ///< whether the user says what it is, be it a part
 };
 
 /// What the options say of a material, before it is known whether they make one.

@@ -2,6 +2,9 @@
 
 #include <petsctime.h>
 
+#include <algorithm>
+#include <sstream>
+
 #include "mesh/io/hdf5_mesh.hpp"
 #include "mesh/io/load_mesh.hpp"
 #include "scene/bent_cells_check.hpp"
@@ -55,6 +58,32 @@ PetscErrorCode add_loads(const std::vector<int> &region_of_cell, Scene *scene) {
   PetscCall(scene->loads.choose(scene->mesh, options.loads, options.where_tolerance,
                                 std::move(density_of_cell)));
   for (auto &term : scene->loads.make_terms()) scene->functional->add_term(std::move(term));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// What is to be known of the materials: that one is nobody's choice, and where elements lock.
+PetscErrorCode tell_materials(MPI_Comm comm, Scene *scene) {
+  const SceneOptions &options = scene->options;
+  const bool whole_body = scene->regions.size() > options.regions.size();  // some cells are in none
+  double largest = whole_body ? poisson_at_rest(options.material) : -1;
+  bool locks = whole_body && is_nearly_incompressible(options.material);
+  PetscFunctionBeginUser;
+  for (const RegionOptions &region : options.regions) {
+    largest = std::max(largest, poisson_at_rest(region.material));
+    locks = locks || is_nearly_incompressible(region.material);
+  }
+  if (whole_body && !options.material.is_named) {
+    PetscCall(PetscPrintf(comm,
+                          "material: none is named, so the default: %s, Young's modulus 1e6, "
+                          "Poisson's ratio 0.45\n",
+                          options.material.model.c_str()));
+  }
+  if (locks && !is_quadratic(*scene->mesh.shape)) {
+    std::ostringstream text;
+    text << "linear elements lock at Poisson's ratio " << largest
+         << " (above 0.4545): the body is stiffer than it should be; -order 2 is not";
+    scene->warnings.push_back(text.str());
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -148,6 +177,7 @@ PetscErrorCode build_scene(MPI_Comm comm, const SceneOptions &options, Scene *sc
   scene->cells = std::make_unique<CellStates>(scene->mesh, options, std::move(region_of_cell));
   PetscCall(measure_regions(scene->mesh, options, *scene->cells, &scene->regions));
   PetscCall(scene->functional->set_time(first_time));
+  PetscCall(tell_materials(comm, scene));
   PetscCall(print_choices(comm, scene));
   PetscCall(scene->discretization.create_vector(&scene->displacement));
   PetscCall(scene->discretization.create_matrix(&scene->hessian));

@@ -1,5 +1,6 @@
 #include "support/text_file.hpp"
 
+#include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -118,6 +119,18 @@ std::string make_part(const std::string &path, std::string *problem) {
   fchmod(descriptor, 0666 & ~mask);  // mkstemps keeps files to oneself
   close(descriptor);
   return part;
+}
+
+std::string find_no_room(const std::string &file, PetscInt64 bytes) {
+  const int descriptor = open(file.c_str(), O_WRONLY | O_CLOEXEC);
+  if (descriptor < 0) return std::strerror(errno);
+  const off_t size = lseek(descriptor, 0, SEEK_END);
+  const int full = posix_fallocate(descriptor, size, static_cast<off_t>(bytes));
+  const bool is_as_before = ftruncate(descriptor, size) == 0;
+  close(descriptor);
+  // Other errors only mean that the file system cannot reserve.
+  const bool is_full = full == ENOSPC || full == EFBIG || full == EDQUOT || !is_as_before;
+  return is_full ? std::strerror(full ? full : errno) : "";
 }
 
 PetscErrorCode write_text_file(MPI_Comm comm, const std::string &path, const std::string &text) {

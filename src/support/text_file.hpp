@@ -19,6 +19,10 @@ bool is_stream(const std::string &path);
 /// @return its name
 std::string make_part(const std::string &path, std::string *problem);
 
+/// What the system says where the disk has no room for `bytes` more behind a file, which stays as
+/// it is, or where the file cannot be opened; empty where all is well.
+std::string find_no_room(const std::string &file, PetscInt64 bytes);
+
 /// Writes text beside `path` and renames: there is never half a file. Devices and pipes are written
 /// to, links followed. On the first rank; collective, an error is one on all ranks.
 PetscErrorCode write_text_file(MPI_Comm comm, const std::string &path, const std::string &text);

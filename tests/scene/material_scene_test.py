@@ -131,6 +131,29 @@ class AutomaticStart(unittest.TestCase):
                 self.assertEqual(solves[0], 3 if initial == "harmonic" else 63)
 
 
+class Words(unittest.TestCase):
+    def test_linear_elements_lock_and_say_so(self):
+        half = ["-regions", "half", "-region_half_where", "z < 0.5", "-region_half_material_poisson"]
+        scene = ENDS + ["-constraint_high_move", "0, 0, 0.01"]
+        for ranks, options, locks in ((1, ["-material_poisson", "0.45"], False),
+                                      (2, ["-material_poisson", "0.46"], True),
+                                      (1, ["-material_poisson", "0.46", "-order", "2"], False),
+                                      (1, ["-material_poisson", "0.3", *half, "0.49"], True)):
+            with self.subTest(options=options):
+                record = record_of(scene + options, ranks)
+                warnings = [text for text in record["result"]["warnings"] if "lock" in text]
+                self.assertEqual(len(warnings), locks)
+                self.assertEqual("WARNING: linear elements lock" in record["printed"], locks)
+                self.assertIn("-order 2" if locks else "", "".join(warnings))
+
+    def test_the_default_material_is_said(self):
+        scene = ["-mesh_generate", "box", "-mesh_resolution", "2", "-constraints", "low",
+                 "-constraint_low_where", "z == zmin"]
+        self.assertIn("material: none is named", record_of(scene)["printed"])
+        for option in (["-material_young", "2"], ["-material_model", "stable_neo_hookean"]):
+            self.assertNotIn("none is named", record_of(scene + option)["printed"])
+
+
 class Regions(unittest.TestCase):
     def test_springs_in_a_row(self):
         """A stiff lower and a soft upper half: the stress is one, the stretches are not."""

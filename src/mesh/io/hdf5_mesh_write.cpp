@@ -168,6 +168,15 @@ PetscErrorCode write_groups(PetscViewer viewer, const Mesh &mesh, PetscInt first
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// About what the file takes: cells, cones, orders and numbers; points; what HDF5 keeps itself.
+PetscInt64 bytes_of(const Mesh &mesh) {
+  const PetscInt64 integers =
+      mesh.total_cells * (2 * mesh.nodes_per_cell() + 3) + mesh.total_vertices * PetscInt64{3};
+  const PetscInt64 bytes = integers * static_cast<PetscInt64>(sizeof(PetscInt)) +
+                           mesh.total_vertices * PetscInt64{3 * sizeof(double)};
+  return bytes + bytes / 5 + 65536;
+}
+
 PetscErrorCode write_all(MPI_Comm comm, const std::string &part, const Mesh &mesh) {
   PetscViewer viewer = nullptr;
   PetscInt first_cell = 0;
@@ -196,6 +205,10 @@ PetscErrorCode write_hdf5_mesh(MPI_Comm comm, const std::string &path, const Mes
       problem = "it is a device or a pipe; name a file";
     else
       part = make_part(place, &problem);
+    // Some ranks would wait for ever for one whose part of the file has no room.
+    if (problem.empty()) problem = find_no_room(part, bytes_of(mesh));
+    std::error_code error;
+    if (!problem.empty() && !part.empty()) std::filesystem::remove(part, error);
   }
   const auto sentence = [&] {
     return problem.empty() ? "" : "cannot write the mesh '" + path + "': " + problem;
@@ -206,9 +219,14 @@ PetscErrorCode write_hdf5_mesh(MPI_Comm comm, const std::string &path, const Mes
   part.resize(static_cast<std::size_t>(length));
   PetscCallMPI(MPI_Bcast(part.data(), length, MPI_CHAR, 0, comm));
   // What fails here is said in a sentence of ours, and leaves nothing behind.
+  H5E_auto2_t printer = nullptr;
+  void *printer_data = nullptr;
+  H5Eget_auto2(H5E_DEFAULT, &printer, &printer_data);
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   PetscCall(PetscPushErrorHandler(PetscReturnErrorHandler, nullptr));
   const PetscErrorCode failure = write_all(comm, part, mesh);
   PetscCall(PetscPopErrorHandler());
+  H5Eset_auto2(H5E_DEFAULT, printer, printer_data);
   if (failure) problem = "HDF5 cannot write it; is there room on the disk?";
   PetscInt fails = failure ? 1 : 0;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &fails, 1, MPIU_INT, MPI_MAX, comm));
