@@ -16,7 +16,8 @@ HeldDofs nothing_held(const Mesh &mesh) {
 }
 
 Discretization::~Discretization() {
-  static_cast<void>(VecDestroy(&prescribed_));  // an error has nowhere to go from here
+  static_cast<void>(VecDestroy(&prescribed_));  // errors have nowhere to go from here
+  static_cast<void>(MatDestroy(&rotation_));
 }
 
 PetscErrorCode Discretization::set_up(Mesh &mesh, const HeldDofs &held) {
@@ -57,6 +58,10 @@ PetscErrorCode Discretization::set_up(Mesh &mesh, const HeldDofs &held) {
   PetscCall(PetscSectionDestroy(&section));
   PetscCall(number_dofs(held));
 
+  PetscMPIInt any_turned = !held.turned.empty();
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &any_turned, 1, MPI_INT, MPI_MAX, comm));
+  any_turned_ = any_turned != 0;
+  turned_ = held.turned;
   PetscCall(DMCreateLocalVector(mesh.dm, &prescribed_));
   PetscCall(set_prescribed(held));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -70,10 +75,12 @@ PetscErrorCode Discretization::set_prescribed(const HeldDofs &held) {
   for (std::size_t dof = 0; dof < global_dofs_.size(); ++dof) {
     same = same && (global_dofs_[dof] < 0) == (held.held[dof] != 0);
   }
+  same = same && turned_.size() == held.turned.size();
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &same, 1, MPI_INT, MPI_MIN, comm));
   PetscCheck(same, comm, PETSC_ERR_USER_INPUT,
              "the constraints hold other vertices at one time than at another; let only their "
              "displacements depend on t");
+  turned_ = held.turned;
   PetscCall(VecGetArrayWrite(prescribed_, &value));
   std::copy(held.value.begin(), held.value.end(), value);
   PetscCall(VecRestoreArrayWrite(prescribed_, &value));
@@ -114,6 +121,7 @@ PetscErrorCode Discretization::get_local(Vec x, Vec *local, const PetscScalar **
   PetscCall(VecCopy(prescribed_, *local));
   // Held entries have no global counterpart and keep their values.
   PetscCall(DMGlobalToLocal(mesh_->dm, x, INSERT_VALUES, *local));
+  PetscCall(turn_to_space(*local, true));
   PetscCall(VecGetArrayRead(*local, u));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -124,6 +132,7 @@ PetscErrorCode Discretization::get_local_direction(Vec d, Vec *local,
   PetscCall(DMGetLocalVector(mesh_->dm, local));
   PetscCall(VecSet(*local, 0));
   PetscCall(DMGlobalToLocal(mesh_->dm, d, INSERT_VALUES, *local));
+  PetscCall(turn_to_space(*local, false));
   PetscCall(VecGetArrayRead(*local, values));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -137,6 +146,12 @@ PetscErrorCode Discretization::restore_local(Vec *local, const PetscScalar **u) 
 
 PetscErrorCode Discretization::add_to_global(Vec local, Vec global) const {
   PetscFunctionBeginUser;
+  if (any_turned_) {
+    PetscScalar *values = nullptr;
+    PetscCall(VecGetArray(local, &values));
+    turn_to_axes(values);
+    PetscCall(VecRestoreArray(local, &values));
+  }
   PetscCall(VecSet(global, 0));
   PetscCall(DMLocalToGlobal(mesh_->dm, local, ADD_VALUES, global));
   PetscFunctionReturn(PETSC_SUCCESS);

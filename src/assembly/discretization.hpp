@@ -5,6 +5,7 @@
 #include <array>
 #include <vector>
 
+#include "assembly/turned_vertex.hpp"
 #include "mesh/mesh.hpp"
 #include "term/vertex_pairs.hpp"
 
@@ -14,6 +15,9 @@ namespace trefoil {
 struct HeldDofs {
   std::vector<char> held;     ///< this component is prescribed
   std::vector<double> value;  ///< its displacement; 0 where free
+  /// Vertices that are held along other axes than those of space, none of whose components are held
+  /// above; in the plane the last axis leads out of it.
+  std::vector<TurnedVertex> turned = {};
 };
 
 /// Nothing held but, in a plane mesh, the third components: plane strain.
@@ -53,8 +57,19 @@ class Discretization {
   PetscErrorCode get_local_direction(Vec d, Vec *local, const PetscScalar **values) const;
   PetscErrorCode restore_local(Vec *local, const PetscScalar **u) const;
 
-  /// Adds up local contributions, 3 a local vertex, into a vector of unknowns. Collective.
+  /// Adds up local contributions, 3 a local vertex, into a vector of unknowns; turns them along the
+  /// axes of turned vertices. Collective.
   PetscErrorCode add_to_global(Vec local, Vec global) const;
+
+  /// Of a Hessian that was put together as if turned vertices were free: for their unknowns, with
+  /// the rows and columns of the held ones zero but, with `has_diagonal`, on the diagonal. Nothing
+  /// where no vertex is turned. Collective.
+  PetscErrorCode turn_matrix(Mat matrix, bool has_diagonal) const;
+  /// Displacements of local vertices, 3 each, as unknowns: for turned ones along their axes.
+  void turn_to_axes(double *values) const;
+  /// Whether any vertex of any rank is turned.
+  [[nodiscard]] bool any_turned() const { return any_turned_; }
+  [[nodiscard]] const std::vector<TurnedVertex> &turned() const { return turned_; }
 
   /// Global number of each local dof, -1 where held.
   [[nodiscard]] const std::vector<PetscInt> &global_dofs() const { return global_dofs_; }
@@ -70,6 +85,8 @@ class Discretization {
   [[nodiscard]] double bytes() const;
 
  private:
+  PetscErrorCode turn_to_space(Vec local, bool prescribes) const;
+  PetscErrorCode make_rotation(Mat like) const;
   PetscErrorCode number_dofs(const HeldDofs &held);
   PetscErrorCode attach_rigid_body_modes(Mat matrix) const;
   PetscErrorCode create_vertex_graph(const VertexPairs &pairs, Mat *graph) const;
@@ -81,6 +98,10 @@ class Discretization {
   Vec prescribed_ = nullptr;  ///< local: values where held, 0 elsewhere
   std::vector<PetscInt> global_dofs_;
   PetscInt total_ = 0, block_size_ = 3;
+  std::vector<TurnedVertex> turned_;
+  bool any_turned_ = false;  ///< on any rank
+  mutable Mat rotation_ = nullptr;
+  mutable std::vector<PetscInt> held_rows_;
 };
 
 /// Rigid-body modes at rest positions: translations 0..2 and rotations 3..5 about `centre`.

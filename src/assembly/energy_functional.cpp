@@ -155,6 +155,8 @@ PetscErrorCode EnergyFunctional::hessian(Vec x, Mat H, Mat *negative,
       statistics->filter_seconds += again.filter_seconds;
     }
   }
+  PetscCall(discretization_.turn_matrix(H, true));
+  if (negative && *negative) PetscCall(discretization_.turn_matrix(*negative, false));
   PetscCall(discretization_.restore_local(&local, &u));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

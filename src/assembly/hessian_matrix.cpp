@@ -195,6 +195,7 @@ PetscErrorCode Discretization::attach_rigid_body_modes(Mat matrix) const {
             rigid_body_mode(m, i, &mesh.coordinates[3 * v], centre);
       }
     }
+    turn_to_axes(value);
     PetscCall(VecRestoreArrayWrite(local, &value));
     PetscCall(create_vector(&mode));
     PetscCall(DMLocalToGlobal(mesh.dm, local, INSERT_VALUES, mode));

@@ -22,6 +22,98 @@ std::string disagreement(const Mesh &mesh, PetscInt v, const std::string &one,
   return text.str();
 }
 
+double dot(const std::array<double, 3> &a, const std::array<double, 3> &b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/// Holds a vertex along one more direction by one more axis, orthogonal to those that it has.
+/// @return false where the directions before it say that it moves otherwise
+bool add_direction(std::array<double, 3> direction, double value, int holder,
+                   TurnedVertex *turned) {
+  constexpr double rounding = 1e-10;
+  for (int k = 0; k < turned->held; ++k) {
+    const auto j = static_cast<std::size_t>(k);
+    const double share = dot(direction, turned->axes[j]);
+    for (std::size_t i = 0; i < 3; ++i) direction[i] -= share * turned->axes[j][i];
+    value -= share * turned->values[j];
+  }
+  const double length = std::sqrt(dot(direction, direction));
+  if (length < rounding) return std::abs(value) < rounding;
+  for (double &component : direction) component /= length;
+  const auto next = static_cast<std::size_t>(turned->held++);
+  turned->axes[next] = direction;
+  turned->values[next] = value / length;
+  turned->holder[next] = holder;
+  return true;
+}
+
+/// A vertex with the axes of those components that are held already, but not that out of the plane.
+TurnedVertex begin_turned(const HeldDofs &held, PetscInt v, const std::vector<int> &holder) {
+  TurnedVertex turned{.vertex = v};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto dof = static_cast<std::size_t>(3 * v) + i;
+    std::array<double, 3> axis{};
+    axis[i] = 1;
+    if (held.held[dof] && holder[dof] >= 0) {
+      add_direction(axis, held.value[dof], holder[dof], &turned);
+    }
+  }
+  return turned;
+}
+
+/// Fills the axes that are missing, in the plane the last with that out of it.
+void complete_axes(int dimension, TurnedVertex *turned) {
+  const int held = turned->held;
+  std::vector<std::size_t> order{0, 1, 2};
+  // Those first that lie least along the axes that there are.
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    double sums[2] = {};
+    for (int k = 0; k < held; ++k) {
+      sums[0] += std::pow(turned->axes[static_cast<std::size_t>(k)][a], 2);
+      sums[1] += std::pow(turned->axes[static_cast<std::size_t>(k)][b], 2);
+    }
+    return sums[0] < sums[1];
+  });
+  const auto fill = [&](std::size_t i) {
+    std::array<double, 3> axis{};
+    axis[i] = 1;
+    if (turned->held < 3) add_direction(axis, 0, -1, turned);
+  };
+  for (const std::size_t i : order) {
+    if (dimension == 3 || i != 2) fill(i);
+  }
+  fill(2);
+  turned->held = held;
+}
+
+/// Vertices that turn out to be held along axes of space alone are held by components; the others
+/// by none.
+void settle_turned(int dimension, HeldDofs *held, std::vector<int> *holder) {
+  std::vector<TurnedVertex> turned;
+  for (TurnedVertex &one : held->turned) {
+    const auto first = static_cast<std::size_t>(3 * one.vertex);
+    bool along_space = true;
+    for (std::size_t k = 0; k < static_cast<std::size_t>(one.held); ++k) {
+      along_space = along_space && std::count(one.axes[k].begin(), one.axes[k].end(), 0.) == 2;
+    }
+    for (std::size_t i = 0; i < static_cast<std::size_t>(dimension); ++i) {
+      held->held[first + i] = 0;
+      held->value[first + i] = 0;
+      (*holder)[first + i] = -1;
+      for (std::size_t k = 0; along_space && k < static_cast<std::size_t>(one.held); ++k) {
+        if (one.axes[k][i] == 0) continue;
+        held->held[first + i] = 1;
+        held->value[first + i] = one.values[k] * one.axes[k][i];
+        (*holder)[first + i] = one.holder[k];
+      }
+    }
+    if (along_space) continue;
+    complete_axes(dimension, &one);
+    turned.push_back(one);
+  }
+  held->turned = std::move(turned);
+}
+
 }  // namespace
 
 PetscErrorCode Constraints::choose(const Mesh &mesh, const SceneOptions &options) {
@@ -60,11 +152,18 @@ PetscErrorCode Constraints::choose(const Mesh &mesh, const SceneOptions &options
     vertices_.push_back(std::move(vertices));
     const std::string complaint = complaint_of([&] {
       const std::string zero = mesh.dimension() == 2 ? "0, 0" : "0, 0, 0";
-      moves_.push_back(
-          {std::make_unique<Expression>(constraint.move.empty() ? zero : constraint.move,
-                                        "-constraint_" + constraint.name + "_move", box_of(mesh)),
-           false,
-           {}});
+      const bool slides = !constraint.slide.empty();
+      const std::string formula = slides                    ? constraint.slide
+                                  : constraint.move.empty() ? zero
+                                                            : constraint.move;
+      moves_.push_back({std::make_unique<Expression>(
+                            formula, choice.option + (slides ? "_slide" : "_move"), box_of(mesh)),
+                        slides,
+                        false,
+                        {}});
+      if (slides && moves_.back().formula->uses_time()) {
+        throw InputError(choice.option + "_slide must not depend on t");
+      }
     });
     PetscCall(agree_on_complaint(comm, complaint));
   }
@@ -111,6 +210,52 @@ void Constraints::hold_one(std::size_t which, double time, HeldDofs *held) {
   }
 }
 
+/// The normal of the plane in which a vertex slides, of length one. Throws InputError.
+std::array<double, 3> Constraints::normal(std::size_t which, PetscInt vertex) const {
+  const auto dimension = static_cast<std::size_t>(mesh_->dimension());
+  const std::vector<double> given = moves_[which].formula->evaluate(
+      &mesh_->coordinates[static_cast<std::size_t>(3 * vertex)], 1, dimension);
+  std::array<double, 3> normal{};
+  std::copy(given.begin(), given.end(), normal.begin());
+  const double length = std::hypot(normal[0], normal[1], normal[2]);
+  if (std::any_of(given.begin(), given.end(), Expression::is_free) || length == 0) {
+    throw InputError("-constraint_" + options_[which].name +
+                     "_slide must be the normal of a plane, which has a length");
+  }
+  for (double &component : normal) {
+    component /= length;
+    // What is parallel to an axis but for rounding holds a component, which is simpler.
+    constexpr double rounding = 1e-14;
+    if (std::abs(component) < rounding) component = 0;
+  }
+  return normal;
+}
+
+/// Lets vertices slide in planes. Throws InputError.
+void Constraints::turn_one(std::size_t which, HeldDofs *held) {
+  std::vector<int> place(static_cast<std::size_t>(mesh_->local_vertices()), -1);
+  for (std::size_t k = 0; k < held->turned.size(); ++k) {
+    place[static_cast<std::size_t>(held->turned[k].vertex)] = static_cast<int>(k);
+  }
+  for (const PetscInt v : vertices_[which]) {
+    const std::array<double, 3> direction = normal(which, v);
+    int &at = place[static_cast<std::size_t>(v)];
+    if (at < 0) {
+      at = static_cast<int>(held->turned.size());
+      held->turned.push_back(begin_turned(*held, v, holder_));
+    }
+    TurnedVertex *turned = &held->turned[static_cast<std::size_t>(at)];
+    if (!add_direction(direction, 0, static_cast<int>(which), turned)) {
+      const double *p = &mesh_->coordinates[static_cast<std::size_t>(3 * v)];
+      std::ostringstream text;
+      text << "constraint '" << options_[which].name << "' lets the vertex at rest position ("
+           << p[0] << ", " << p[1] << ", " << p[2]
+           << ") slide in a plane that another constraint moves it out of";
+      throw InputError(text.str());
+    }
+  }
+}
+
 /// Finds which moves are rigid: those of all components that do not depend on t.
 PetscErrorCode Constraints::find_rigid_moves() {
   const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(mesh_->dm));
@@ -120,7 +265,7 @@ PetscErrorCode Constraints::find_rigid_moves() {
   knows_rigid_moves_ = true;
   for (std::size_t which = 0; which < options_.size(); ++which) {
     Move &move = moves_[which];
-    if (move.formula->uses_time()) continue;
+    if (move.slides || move.formula->uses_time()) continue;
     std::vector<double> from, to;
     PetscMPIInt is_whole = 1;
     double deviation = 0;
@@ -182,9 +327,16 @@ PetscErrorCode Constraints::hold(double time, HeldDofs *held) {
   *held = nothing_held(*mesh_);
   holder_.assign(mesh_->coordinates.size(), -1);
   for (std::size_t which = 0; which < options_.size(); ++which) {
+    if (moves_[which].slides) continue;
     const std::string complaint = complaint_of([&] { hold_one(which, time, held); });
     PetscCall(agree_on_complaint(comm, complaint));
   }
+  for (std::size_t which = 0; which < options_.size(); ++which) {
+    if (!moves_[which].slides) continue;
+    const std::string complaint = complaint_of([&] { turn_one(which, held); });
+    PetscCall(agree_on_complaint(comm, complaint));
+  }
+  settle_turned(mesh_->dimension(), held, &holder_);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -43,7 +43,8 @@ class Constraints {
  private:
   /// What is known of a constraint's move.
   struct Move {
-    std::unique_ptr<Expression> formula;
+    std::unique_ptr<Expression> formula;  ///< of the displacement, or the normal of planes
+    bool slides = false;
     bool is_rigid = false;
     RigidMotion motion;
   };
@@ -51,6 +52,8 @@ class Constraints {
   [[nodiscard]] std::vector<double> target(std::size_t which, PetscInt vertex, double time) const;
   PetscErrorCode find_rigid_moves();
   void hold_one(std::size_t which, double time, HeldDofs *held);
+  void turn_one(std::size_t which, HeldDofs *held);
+  [[nodiscard]] std::array<double, 3> normal(std::size_t which, PetscInt vertex) const;
 
   const Mesh *mesh_ = nullptr;
   std::vector<ConstraintOptions> options_;

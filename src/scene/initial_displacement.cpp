@@ -49,6 +49,7 @@ PetscErrorCode set_initial_displacement(const std::string &expression,
   PetscFunctionBeginUser;
   const std::string complaint = complaint_of([&] { displacement = evaluate(expression, mesh); });
   PetscCall(agree_on_complaint(PetscObjectComm(reinterpret_cast<PetscObject>(x)), complaint));
+  discretization.turn_to_axes(displacement.data());
   PetscCall(VecGetOwnershipRange(x, &begin, &end));
   PetscCall(VecGetArray(x, &values));
   const std::vector<PetscInt> &dofs = discretization.global_dofs();

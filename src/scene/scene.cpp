@@ -87,6 +87,16 @@ PetscErrorCode tell_materials(MPI_Comm comm, Scene *scene) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// Where vertices are held along axes of their own, each on one rank.
+void add_supports(const Mesh &mesh, const HeldDofs &held, std::vector<Support> *supports) {
+  for (const TurnedVertex &turned : held.turned) {
+    if (!mesh.owned[static_cast<std::size_t>(turned.vertex)]) continue;
+    for (int k = 0; k < turned.held; ++k) {
+      supports->push_back({turned.vertex, turned.axes[static_cast<std::size_t>(k)]});
+    }
+  }
+}
+
 /// One line for each constraint and load: what it takes.
 PetscErrorCode print_choices(MPI_Comm comm, Scene *scene) {
   const bool plane = scene->mesh.dimension() == 2;
@@ -165,9 +175,17 @@ PetscErrorCode build_scene(MPI_Comm comm, const SceneOptions &options, Scene *sc
   PetscCall(assign_regions(scene->mesh, options.regions, options.where_tolerance, &region_of_cell));
   scene->functional->add_term(make_elastic_term(options, scene->mesh, region_of_cell));
   PetscCall(add_loads(region_of_cell, scene));
+  PetscCheck(!scene->discretization.any_turned() ||
+                 (options.assembly != "hook" && !options.time.is_on),
+             comm, PETSC_ERR_USER_INPUT,
+             "vertices slide in a plane that is not parallel to the axes, which %s cannot do; turn "
+             "the mesh, or leave that out",
+             options.time.is_on ? "a scene in time" : "-assembly hook");
   // In time a body that nothing holds has inertia.
   if (!options.time.is_on) {
-    PetscCall(check_rigid_body_modes(scene->mesh, held, scene->loads.supports()));
+    std::vector<Support> supports = scene->loads.supports();
+    add_supports(scene->mesh, held, &supports);
+    PetscCall(check_rigid_body_modes(scene->mesh, held, supports));
   } else {
     scene->motion = std::make_unique<MovingBody>(*scene);
     PetscCall(scene->motion->set_up(region_of_cell));

@@ -77,6 +77,8 @@ std::vector<OptionRow> constraint_rows(ConstraintOptions &constraint) {
        length,
        {},
        essential},
+      {option + "_slide", &constraint.slide,
+       "Instead: normal of the plane in which they slide, a value a direction"},
   };
 }
 

@@ -45,6 +45,9 @@ PetscErrorCode read_constraints(MPI_Comm comm, OptionReader &reader, SceneOption
         "constraint '%s' has neither -constraint_%s_where nor -constraint_%s_group: say which "
         "vertices it takes",
         name.c_str(), name.c_str(), name.c_str());
+    PetscCheck(constraint.slide.empty() || constraint.move.empty(), comm, PETSC_ERR_USER_INPUT,
+               "constraint '%s' has both -constraint_%s_move and -constraint_%s_slide; give one",
+               name.c_str(), name.c_str(), name.c_str());
     options->constraints.push_back(constraint);
   }
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -17,6 +17,7 @@ struct ConstraintOptions {
   std::string where = {};  ///< formula, non-zero at the vertices it takes
   std::string group = {};  ///< name or number of a group of the mesh file
   std::string move = {};   ///< expression with a value for each dimension, or `free`; empty: zero
+  std::string slide = {};  ///< instead: normal of the planes in which the vertices slide
 };
 
 /// A part of the body with a material of its own: the cells where an expression holds, or those of

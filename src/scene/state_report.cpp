@@ -36,16 +36,29 @@ PetscErrorCode add_up_reactions(const Scene &scene, const double *u,
   PetscFunctionBeginUser;
   PetscCall(reactions_of_vertices(scene, &force));
   std::vector<double> sums(6 * scene.constraints.reports().size(), 0);
-  for (std::size_t k = 0; k < force.size(); k += 3) {
-    const double *X = &mesh.coordinates[k];
-    const double x[3] = {X[0] + u[k], X[1] + u[k + 1], X[2] + u[k + 2]};
+  const auto add = [&](std::size_t first, std::array<double, 3> f, int which) {
+    if (which < 0) return;
+    double *sum = &sums[6 * static_cast<std::size_t>(which)];
     for (std::size_t i = 0; i < 3; ++i) {
-      if (holder[k + i] < 0) continue;
-      double *sum = &sums[6 * static_cast<std::size_t>(holder[k + i])];
       const std::size_t j = (i + 1) % 3, l = (i + 2) % 3;
-      sum[i] += force[k + i];
-      sum[3 + j] += x[l] * force[k + i];
-      sum[3 + l] -= x[j] * force[k + i];
+      sum[i] += f[i];
+      sum[3 + i] += (mesh.coordinates[first + j] + u[first + j]) * f[l] -
+                    (mesh.coordinates[first + l] + u[first + l]) * f[j];
+    }
+  };
+  for (std::size_t k = 0; k < force.size(); ++k) {
+    std::array<double, 3> along{};
+    along[k % 3] = force[k];
+    add(k - k % 3, along, holder[k]);
+  }
+  for (const TurnedVertex &turned : scene.discretization.turned()) {
+    const auto first = static_cast<std::size_t>(3 * turned.vertex);
+    std::array<double, 3> f{force[first], force[first + 1], force[first + 2]};
+    turned.to_axes(f.data());
+    for (std::size_t j = 0; j < static_cast<std::size_t>(turned.held); ++j) {
+      std::array<double, 3> along = turned.axes[j];
+      for (double &component : along) component *= f[j];
+      add(first, along, turned.holder[j]);
     }
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sums.data(), static_cast<PetscMPIInt>(sums.size()),
@@ -99,14 +112,23 @@ PetscErrorCode reactions_of_vertices(const Scene &scene, std::vector<double> *re
   const std::vector<PetscInt> &dofs = scene.discretization.global_dofs();
   Vec local = nullptr;
   const PetscScalar *u = nullptr;
+  std::vector<double> held(dofs.size(), 0);
   PetscFunctionBeginUser;
   PetscCall(scene.functional->nodal_gradient(scene.displacement, reactions));
   PetscCall(scene.discretization.get_local(scene.displacement, &local, &u));
   PetscCall(scene.loads.add_at_rims(u, reactions));
   PetscCall(scene.discretization.restore_local(&local, &u));
   for (std::size_t k = 0; k < dofs.size(); ++k) {
-    if (dofs[k] >= 0) (*reactions)[k] = 0;  // free: in balance, up to the solver's tolerance
+    held[k] = dofs[k] < 0 ? (*reactions)[k] : 0;  // free: in balance, up to the solver's tolerance
   }
+  for (const TurnedVertex &turned : scene.discretization.turned()) {
+    double *force = &(*reactions)[static_cast<std::size_t>(3 * turned.vertex)];
+    turned.to_axes(force);
+    for (int i = turned.held; i < 3; ++i) force[i] = 0;
+    turned.to_space(force);
+    std::copy_n(force, 3, &held[static_cast<std::size_t>(3 * turned.vertex)]);
+  }
+  *reactions = held;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
