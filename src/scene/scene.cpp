@@ -175,12 +175,12 @@ PetscErrorCode build_scene(MPI_Comm comm, const SceneOptions &options, Scene *sc
   PetscCall(assign_regions(scene->mesh, options.regions, options.where_tolerance, &region_of_cell));
   scene->functional->add_term(make_elastic_term(options, scene->mesh, region_of_cell));
   PetscCall(add_loads(region_of_cell, scene));
-  PetscCheck(!scene->discretization.any_turned() ||
-                 (options.assembly != "hook" && !options.time.is_on),
-             comm, PETSC_ERR_USER_INPUT,
-             "vertices slide in a plane that is not parallel to the axes, which %s cannot do; turn "
-             "the mesh, or leave that out",
-             options.time.is_on ? "a scene in time" : "-assembly hook");
+  PetscCheck(
+      !scene->discretization.any_turned() || (options.assembly != "hook" && !options.time.is_on),
+      comm, PETSC_ERR_USER_INPUT,
+      "vertices slide in a plane that is not parallel to the axes, which %s cannot do; turn "
+      "the mesh, or leave that out",
+      options.time.is_on ? "a scene in time" : "-assembly hook");
   // In time a body that nothing holds has inertia.
   if (!options.time.is_on) {
     std::vector<Support> supports = scene->loads.supports();
