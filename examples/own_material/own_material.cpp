@@ -30,9 +30,8 @@
 #include "trefoil/material_registry.hpp"
 #include "trefoil/split_material.hpp"
 
-// A sum psi = W(F) + U(J), so that elements which keep the volume on average can have the two
-// apart. A material that is no such sum has energy_density(), stress() and tangent() itself, see
-// trefoil/material.hpp.
+// A sum psi = W(F) + U(J): the base makes energy, stress and tangent of the parts. A material that
+// is no such sum has energy_density(), stress() and tangent() itself, see trefoil/material.hpp.
 class Mine : public trefoil::SplitMaterial<Mine> {
  public:
   static constexpr const char *name = "mine";

@@ -67,17 +67,6 @@ concept Material = requires(const M &material, const Deformation<AnyPack> &F, Ta
   {material.tangent(F, A)};
 };
 
-/// A material that says which part of its energy depends on J alone, see SplitMaterial.
-template <class M>
-concept VolumeSplittingMaterial = Material<M> &&
-    requires(const M &material, const Deformation<AnyPack> &F, const AnyPack &p,
-             Tangent<AnyPack> &A) {
-  { material.distortional_energy(F) } -> std::same_as<AnyPack>;
-  { material.stress_at_pressure(F, p) } -> std::same_as<Matrix3<AnyPack>>;
-  {material.add_tangent_at_pressure(F, p, A)};
-  {material.volumetric_law(p)};
-};
-
 /// A material that scenes may ask for: it has a name, and makes itself of what the user says.
 template <class M>
 concept SceneMaterial = Material<M> && std::constructible_from<M, MaterialParameters> && requires {

@@ -26,21 +26,6 @@ class MaterialModel {
   void stresses(const double *H, double *P) const { functions_.stress(material_.get(), H, P); }
   void tangents(const double *H, double *A) const { functions_.tangent(material_.get(), H, A); }
 
-  /// Whether it says which part of psi depends on J alone. What follows is for these only.
-  [[nodiscard]] bool splits_volume() const { return functions_.volumetric_law != nullptr; }
-  void distortional_energies(const double *H, double *W) const {
-    functions_.distortional_energy(material_.get(), H, W);
-  }
-  void stresses_at_pressure(const double *H, const double *p, double *P) const {
-    functions_.stress_at_pressure(material_.get(), H, p, P);
-  }
-  void tangents_at_pressure(const double *H, const double *p, double *A) const {
-    functions_.tangent_at_pressure(material_.get(), H, p, A);
-  }
-  void volumetric_laws(const double *J_minus_1, double *law) const {
-    functions_.volumetric_law(material_.get(), J_minus_1, law);
-  }
-
   /// For one deformation, at the price of eight: psi(F) - psi(I), energy per rest volume.
   [[nodiscard]] double energy_density(const Matrix3<double> &H) const;
   /// The first Piola-Kirchhoff stress P = dpsi/dF.

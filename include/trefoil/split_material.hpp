@@ -17,10 +17,9 @@ VolumetricLaw<Real> quadratic_law(double kappa, const Real &J_minus_1) {
   return {0.5 * kappa * J_minus_1 * J_minus_1, kappa * J_minus_1, Real(kappa)};
 }
 
-/// The base of a material M whose energy density is a sum, psi(F) = W(F) + U(J): elements that keep
-/// the volume only on average take W at each point, and all that depends on J alone, U, at the
-/// element's mean of J. Both parts are free of stress at rest: a term linear in J, whose mean is
-/// that of J, belongs to W.
+/// The base of a material M whose energy density is a sum, psi(F) = W(F) + U(J), with all that
+/// depends on J alone in U. Both parts are free of stress at rest, so that neither hides the
+/// other's digits at small strains: a term linear in J belongs to W.
 ///
 /// M offers, for numbers and packs,
 /// - distortional_energy(deformation): W

@@ -144,6 +144,16 @@ PetscErrorCode Discretization::restore_local(Vec *local, const PetscScalar **u) 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode Discretization::copy_local(Vec x, std::vector<double> *u) const {
+  Vec local = nullptr;
+  const PetscScalar *values = nullptr;
+  PetscFunctionBeginUser;
+  PetscCall(get_local(x, &local, &values));
+  u->assign(values, values + mesh_->coordinates.size());
+  PetscCall(restore_local(&local, &values));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode Discretization::add_to_global(Vec local, Vec global) const {
   PetscFunctionBeginUser;
   if (any_turned_) {

@@ -53,6 +53,8 @@ class Discretization {
   /// Displacements of all local vertices: the unknowns of x, prescribed values where held.
   /// Collective. Give the array back with restore_local().
   PetscErrorCode get_local(Vec x, Vec *local, const PetscScalar **u) const;
+  /// The same in an array of one's own. Collective.
+  PetscErrorCode copy_local(Vec x, std::vector<double> *u) const;
   /// The same for a direction, a change of the unknowns: 0 where held.
   PetscErrorCode get_local_direction(Vec d, Vec *local, const PetscScalar **values) const;
   PetscErrorCode restore_local(Vec *local, const PetscScalar **u) const;

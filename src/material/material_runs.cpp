@@ -40,38 +40,11 @@ struct MixedMaterial {
     collect<81>(mixed, A,
                 [&](const Part &part, double *values) { part.material->tangents(H, values); });
   }
-  static void distortional_energies(const void *mixed, const double *H, double *W) {
-    collect<1>(mixed, W, [&](const Part &part, double *values) {
-      part.material->distortional_energies(H, values);
-    });
-  }
-  static void stresses_at_pressure(const void *mixed, const double *H, const double *p, double *P) {
-    collect<9>(mixed, P, [&](const Part &part, double *values) {
-      part.material->stresses_at_pressure(H, p, values);
-    });
-  }
-  static void tangents_at_pressure(const void *mixed, const double *H, const double *p, double *A) {
-    collect<81>(mixed, A, [&](const Part &part, double *values) {
-      part.material->tangents_at_pressure(H, p, values);
-    });
-  }
-  static void volumetric_laws(const void *mixed, const double *J_minus_1, double *law) {
-    collect<3>(mixed, law, [&](const Part &part, double *values) {
-      part.material->volumetric_laws(J_minus_1, values);
-    });
-  }
 };
 
 std::unique_ptr<MaterialModel> make_mixed_model(std::vector<MixedMaterial::Part> parts) {
-  PackedFunctions functions{MixedMaterial::energy_densities, MixedMaterial::stresses,
-                            MixedMaterial::tangents};
-  if (std::all_of(parts.begin(), parts.end(),
-                  [](const auto &part) { return part.material->splits_volume(); })) {
-    functions.distortional_energy = MixedMaterial::distortional_energies;
-    functions.stress_at_pressure = MixedMaterial::stresses_at_pressure;
-    functions.tangent_at_pressure = MixedMaterial::tangents_at_pressure;
-    functions.volumetric_law = MixedMaterial::volumetric_laws;
-  }
+  const PackedFunctions functions{MixedMaterial::energy_densities, MixedMaterial::stresses,
+                                  MixedMaterial::tangents};
   return std::make_unique<MaterialModel>(
       functions, std::make_shared<MixedMaterial>(MixedMaterial{std::move(parts)}));
 }

@@ -5,7 +5,6 @@
 #include "material/library_material.hpp"
 #include "trefoil/log1pmx.hpp"
 #include "trefoil/material.hpp"
-#include "trefoil/split_material.hpp"
 
 namespace trefoil {
 
@@ -14,8 +13,6 @@ namespace trefoil {
 ///   psi(F) = mu/2 (F:F - 3) - mu log J + lambda/2 (log J)^2,   J = det F,
 /// with Lame's mu and lambda, so that small strains obey E and nu. psi is +infinity at J <= 0,
 /// where stress and tangent mean nothing.
-///
-/// Volumetric: U(J) = -mu (log J - (J - 1)) + lambda/2 (log J)^2; W = mu/2 (F:F - 3) - mu (J - 1).
 class NeoHookean : public LibraryMaterial<NeoHookean> {
  public:
   static constexpr const char *name = "neo_hookean";
@@ -61,41 +58,10 @@ class NeoHookean : public LibraryMaterial<NeoHookean> {
     add_cofactor_derivative(slope / J, deformation.F(), A);
   }
 
-  /// U' = mu (1 - 1/J) + lambda log J / J,  U'' = (mu + lambda (1 - log J)) / J^2.
-  template <class Real>
-  VolumetricLaw<Real> volumetric_law(const Real &J_minus_1) const {
-    const Real J = 1.0 + J_minus_1;
-    const auto [log_J, difference] = logarithm(J_minus_1);
-    return {select(J <= Real(0.0), Real(std::numeric_limits<double>::infinity()),
-                   0.5 * lambda_ * log_J * log_J - mu_ * difference),
-            (mu_ * J_minus_1 + lambda_ * log_J) / J, (mu_ + lambda_ - lambda_ * log_J) / (J * J)};
-  }
-
-  template <class Real>
-  Real distortional_energy(const Deformation<Real> &deformation) const {
-    return 0.5 * mu_ * deformation.I1_distortion();
-  }
-
-  /// mu (F - cof F) + p cof F.
-  template <class Real>
-  Matrix3<Real> stress_at_pressure(const Deformation<Real> &deformation, const Real &p) const {
-    const Matrix3<Real> D = deformation.F_minus_cofactor(), C = deformation.cofactor();
-    Matrix3<Real> P;
-    for (std::size_t k = 0; k < 9; ++k) P.entries[k] = mu_ * D.entries[k] + p * C.entries[k];
-    return P;
-  }
-
-  template <class Real>
-  void add_tangent_at_pressure(const Deformation<Real> &deformation, const Real &p,
-                               Tangent<Real> &A) const {
-    add_identity(mu_, A);
-    add_cofactor_derivative(p - mu_, deformation.F(), A);
-  }
-
  private:
   double mu_, lambda_;
 };
 
-static_assert(SceneMaterial<NeoHookean> && VolumeSplittingMaterial<NeoHookean>);
+static_assert(SceneMaterial<NeoHookean>);
 
 }  // namespace trefoil

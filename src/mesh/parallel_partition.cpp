@@ -1,21 +1,15 @@
 #include "mesh/parallel_partition.hpp"
 
-#include <petscpartitioner.h>
-
 #include <algorithm>
 #include <array>
 #include <numeric>
 
 #include "mesh/distribution.hpp"
+#include "mesh/dual_graph.hpp"
 #include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
 namespace {
-
-/// Rows of the dual graph of this rank's cells: neighbours by their numbers in the whole mesh.
-struct GraphShare {
-  std::vector<PetscInt> start, neighbour;
-};
 
 /// A facet by its sorted corners (PETSC_MAX_INT: there is no third), and one of its cells.
 using FacetOfCell = std::array<PetscInt, 4>;
@@ -55,8 +49,8 @@ std::vector<PetscInt> neighbours_by(const std::vector<PetscInt> &rows) {
   return pairs;
 }
 
-GraphShare rows_of(const std::vector<PetscInt> &pairs, PetscInt first_cell, std::size_t cells) {
-  GraphShare graph;
+DualGraph rows_of(const std::vector<PetscInt> &pairs, PetscInt first_cell, std::size_t cells) {
+  DualGraph graph;
   graph.start.assign(cells + 1, 0);
   for (std::size_t k = 0; k < pairs.size(); k += 2) {
     ++graph.start[static_cast<std::size_t>(pairs[k] - first_cell) + 1];
@@ -73,7 +67,7 @@ GraphShare rows_of(const std::vector<PetscInt> &pairs, PetscInt first_cell, std:
 
 /// Facets meet on the rank that has their lowest vertex; what they say of their cells comes back.
 PetscErrorCode make_graph(MPI_Comm comm, const std::vector<PetscInt> &cells, const CellShape &shape,
-                          PetscInt vertices, GraphShare *graph) {
+                          PetscInt vertices, DualGraph *graph) {
   PetscMPIInt ranks = 0;
   PetscInt first = 0, total = 0;
   const auto mine = static_cast<PetscInt>(cells.size()) / shape.nodes;
@@ -97,41 +91,6 @@ PetscErrorCode make_graph(MPI_Comm comm, const std::vector<PetscInt> &cells, con
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode divide(MPI_Comm comm, const std::string &name, const GraphShare &graph,
-                      PetscMPIInt ranks, std::vector<PetscInt> *part) {
-  PetscPartitioner partitioner = nullptr;
-  PetscSection sizes = nullptr;
-  IS order = nullptr;
-  const PetscInt *cell = nullptr;
-  std::vector<PetscInt> rows(graph.start), columns(graph.neighbour);
-  const auto cells = static_cast<PetscInt>(rows.size()) - 1;
-  PetscFunctionBeginUser;
-  PetscCall(PetscPartitionerCreate(comm, &partitioner));
-  PetscCall(PetscPartitionerSetType(partitioner, name.c_str()));
-  PetscCall(PetscPartitionerSetFromOptions(partitioner));
-  PetscCall(PetscSectionCreate(comm, &sizes));
-#if PETSC_VERSION_LT(3, 21, 0)
-  PetscCall(PetscPartitionerPartition(partitioner, ranks, cells, rows.data(), columns.data(),
-                                      nullptr, nullptr, sizes, &order));
-#else
-  PetscCall(PetscPartitionerPartition(partitioner, ranks, cells, rows.data(), columns.data(),
-                                      nullptr, nullptr, nullptr, sizes, &order));
-#endif
-  part->assign(static_cast<std::size_t>(cells), 0);
-  PetscCall(ISGetIndices(order, &cell));
-  for (PetscInt p = 0; p < ranks; ++p) {
-    PetscInt count = 0, offset = 0;
-    PetscCall(PetscSectionGetDof(sizes, p, &count));
-    PetscCall(PetscSectionGetOffset(sizes, p, &offset));
-    for (PetscInt i = 0; i < count; ++i) (*part)[static_cast<std::size_t>(cell[offset + i])] = p;
-  }
-  PetscCall(ISRestoreIndices(order, &cell));
-  PetscCall(ISDestroy(&order));
-  PetscCall(PetscSectionDestroy(&sizes));
-  PetscCall(PetscPartitionerDestroy(&partitioner));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /// Where a part came out empty, every rank keeps its share: the file's cells lie along a curve.
 PetscErrorCode leave_none_empty(MPI_Comm comm, PetscMPIInt ranks, std::vector<PetscInt> *part) {
   PetscMPIInt rank = 0;
@@ -144,7 +103,7 @@ PetscErrorCode leave_none_empty(MPI_Comm comm, PetscMPIInt ranks, std::vector<Pe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode count_cut_faces(MPI_Comm comm, const GraphShare &graph, Partition *partition) {
+PetscErrorCode count_cut_faces(MPI_Comm comm, const DualGraph &graph, Partition *partition) {
   std::vector<PetscInt> part_of_neighbour;
   PetscFunctionBeginUser;
   PetscCall(fetch_from_shares(comm, partition->rank_of_cell, graph.neighbour, &part_of_neighbour));
@@ -197,8 +156,7 @@ PetscErrorCode partition_shares(MPI_Comm comm, const std::vector<PetscInt> &cell
                                 const std::string &partitioner, Partition *partition) {
   PetscMPIInt ranks = 0;
   PetscInt total = static_cast<PetscInt>(cells.size()) / shape.nodes;
-  GraphShare graph;
-  PetscErrorCode (*create)(PetscPartitioner) = nullptr;
+  DualGraph graph;
   PetscFunctionBeginUser;
   PetscCallMPI(MPI_Comm_size(comm, &ranks));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &total, 1, MPIU_INT, MPI_SUM, comm));
@@ -208,12 +166,8 @@ PetscErrorCode partition_shares(MPI_Comm comm, const std::vector<PetscInt> &cell
              ranks, shape.plural, total);
   partition->rank_of_cell.assign(cells.size() / static_cast<std::size_t>(shape.nodes), 0);
   if (ranks == 1) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscPartitionerInitializePackage());
-  PetscCall(PetscFunctionListFind(PetscPartitionerList, partitioner.c_str(), &create));
-  PetscCheck(create, comm, PETSC_ERR_USER_INPUT,
-             "there is no partitioner '%s' (-mesh_partitioner); use ptscotch", partitioner.c_str());
   PetscCall(make_graph(comm, cells, shape, vertices, &graph));
-  PetscCall(divide(comm, partitioner, graph, ranks, &partition->rank_of_cell));
+  PetscCall(divide(comm, partitioner, graph, &partition->rank_of_cell));
   PetscCall(leave_none_empty(comm, ranks, &partition->rank_of_cell));
   PetscCall(count_cut_faces(comm, graph, partition));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -1,19 +1,14 @@
 #include <metis.h>
-#include <petscpartitioner.h>
 
 #include <algorithm>
 #include <numeric>
 
+#include "mesh/dual_graph.hpp"
 #include "mesh/mesh.hpp"
 #include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
 namespace {
-
-/// Which cells share a face, as compressed rows.
-struct DualGraph {
-  std::vector<PetscInt> start{0}, neighbour;
-};
 
 DualGraph dual_graph(const CellList &mesh) {
   idx_t cells = mesh.size(), vertices = mesh.vertices(), common = mesh.shape->facet->corners,
@@ -73,49 +68,6 @@ PetscInt count_cut_faces(const DualGraph &graph, const std::vector<PetscInt> &pa
   return cut;
 }
 
-/// PETSc's partitioners work on a graph that is spread over the ranks: an even share of rows each.
-PetscErrorCode petsc_parts(MPI_Comm comm, const std::string &name, const DualGraph &graph,
-                           std::vector<PetscInt> *part) {
-  PetscPartitioner partitioner = nullptr;
-  PetscSection sizes = nullptr;
-  IS order = nullptr;
-  PetscMPIInt rank = 0, ranks = 0;
-  std::vector<PetscInt> rows(graph.start), columns(graph.neighbour);
-
-  PetscFunctionBeginUser;
-  PetscCallMPI(MPI_Comm_rank(comm, &rank));
-  PetscCallMPI(MPI_Comm_size(comm, &ranks));
-  PetscCall(PetscPartitionerCreate(comm, &partitioner));
-  PetscCall(PetscPartitionerSetType(partitioner, name.c_str()));
-  PetscCall(PetscPartitionerSetFromOptions(partitioner));
-  PetscCall(PetscSectionCreate(comm, &sizes));
-  const auto cells = static_cast<PetscInt>(rows.size()) - 1;
-  // All rows are on the first rank; the result lists this rank's rows by the part they go to.
-#if PETSC_VERSION_LT(3, 21, 0)
-  PetscCall(PetscPartitionerPartition(partitioner, ranks, cells, rows.data(), columns.data(),
-                                      nullptr, nullptr, sizes, &order));
-#else
-  PetscCall(PetscPartitionerPartition(partitioner, ranks, cells, rows.data(), columns.data(),
-                                      nullptr, nullptr, nullptr, sizes, &order));
-#endif
-  if (rank == 0) {
-    const PetscInt *cell = nullptr;
-    PetscCall(ISGetIndices(order, &cell));
-    part->assign(static_cast<std::size_t>(cells), 0);
-    for (PetscInt p = 0; p < ranks; ++p) {
-      PetscInt count = 0, offset = 0;
-      PetscCall(PetscSectionGetDof(sizes, p, &count));
-      PetscCall(PetscSectionGetOffset(sizes, p, &offset));
-      for (PetscInt i = 0; i < count; ++i) (*part)[static_cast<std::size_t>(cell[offset + i])] = p;
-    }
-    PetscCall(ISRestoreIndices(order, &cell));
-  }
-  PetscCall(ISDestroy(&order));
-  PetscCall(PetscSectionDestroy(&sizes));
-  PetscCall(PetscPartitionerDestroy(&partitioner));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 }  // namespace
 
 PetscErrorCode partition_cells(MPI_Comm comm, const CellList &whole, const CellShape &shape,
@@ -139,13 +91,7 @@ PetscErrorCode partition_cells(MPI_Comm comm, const CellList &whole, const CellS
   if (partitioner == "metis") {
     if (rank == 0) partition->rank_of_cell = metis_parts(graph, ranks);
   } else {
-    PetscErrorCode (*create)(PetscPartitioner) = nullptr;
-    PetscCall(PetscPartitionerInitializePackage());
-    PetscCall(PetscFunctionListFind(PetscPartitionerList, partitioner.c_str(), &create));
-    PetscCheck(create, comm, PETSC_ERR_USER_INPUT,
-               "there is no partitioner '%s' (-mesh_partitioner); use metis or ptscotch",
-               partitioner.c_str());
-    PetscCall(petsc_parts(comm, partitioner, graph, &partition->rank_of_cell));
+    PetscCall(divide(comm, partitioner, graph, &partition->rank_of_cell));
   }
   if (rank == 0) {
     fill_empty_parts(partition->rank_of_cell, ranks);

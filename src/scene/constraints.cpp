@@ -26,25 +26,33 @@ double dot(const std::array<double, 3> &a, const std::array<double, 3> &b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
+/// What one more direction is to a vertex that is held along others.
+enum class Direction { another, known, nearly_known, contradicts };
+
 /// Holds a vertex along one more direction by one more axis, orthogonal to those that it has.
-/// @return false where the directions before it say that it moves otherwise
-bool add_direction(std::array<double, 3> direction, double value, int holder,
-                   TurnedVertex *turned) {
-  constexpr double rounding = 1e-10;
+Direction add_direction(std::array<double, 3> direction, double value, int holder,
+                        TurnedVertex *turned) {
+  // Of a formula on a surface that a CAD kernel has made flat but for rounding; and what nobody
+  // means to be two planes, whose line of intersection is anywhere.
+  constexpr double same = 1e-6, similar = 1e-3;
+  double largest = std::abs(value);
   for (int k = 0; k < turned->held; ++k) {
     const auto j = static_cast<std::size_t>(k);
     const double share = dot(direction, turned->axes[j]);
     for (std::size_t i = 0; i < 3; ++i) direction[i] -= share * turned->axes[j][i];
     value -= share * turned->values[j];
+    largest = std::max(largest, std::abs(turned->values[j]));
   }
   const double length = std::sqrt(dot(direction, direction));
-  if (length < rounding) return std::abs(value) < rounding;
+  if (length < same) {
+    return std::abs(value) <= same * largest ? Direction::known : Direction::contradicts;
+  }
   for (double &component : direction) component /= length;
   const auto next = static_cast<std::size_t>(turned->held++);
   turned->axes[next] = direction;
   turned->values[next] = value / length;
   turned->holder[next] = holder;
-  return true;
+  return length < similar ? Direction::nearly_known : Direction::another;
 }
 
 /// A vertex with the axes of those components that are held already, but not that out of the plane.
@@ -245,14 +253,17 @@ void Constraints::turn_one(std::size_t which, HeldDofs *held) {
       held->turned.push_back(begin_turned(*held, v, holder_));
     }
     TurnedVertex *turned = &held->turned[static_cast<std::size_t>(at)];
-    if (!add_direction(direction, 0, static_cast<int>(which), turned)) {
-      const double *p = &mesh_->coordinates[static_cast<std::size_t>(3 * v)];
-      std::ostringstream text;
-      text << "constraint '" << options_[which].name << "' lets the vertex at rest position ("
-           << p[0] << ", " << p[1] << ", " << p[2]
-           << ") slide in a plane that another constraint moves it out of";
-      throw InputError(text.str());
-    }
+    const Direction kind = add_direction(direction, 0, static_cast<int>(which), turned);
+    if (kind == Direction::another || kind == Direction::known) continue;
+    const double *p = &mesh_->coordinates[static_cast<std::size_t>(3 * v)];
+    std::ostringstream text;
+    text << "constraint '" << options_[which].name << "' lets the vertex at rest position (" << p[0]
+         << ", " << p[1] << ", " << p[2] << ") slide in a plane that "
+         << (kind == Direction::contradicts
+                 ? "another constraint moves it out of"
+                 : "is nearly, not quite, that of another constraint, and so holds it along both; "
+                   "give both the same normal");
+    throw InputError(text.str());
   }
 }
 

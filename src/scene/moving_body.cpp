@@ -143,16 +143,6 @@ PetscErrorCode MovingBody::hold_start() {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MovingBody::copy_local(std::vector<double> *u) const {
-  Vec local = nullptr;
-  const PetscScalar *values = nullptr;
-  PetscFunctionBeginUser;
-  PetscCall(scene_.discretization.get_local(scene_.displacement, &local, &values));
-  u->assign(values, values + scene_.mesh.coordinates.size());
-  PetscCall(scene_.discretization.restore_local(&local, &values));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode MovingBody::set_initial_velocity(std::vector<double> *velocity) const {
   const std::string &formula = scene_.options.time.initial_velocity;
   PetscFunctionBeginUser;
@@ -173,7 +163,7 @@ PetscErrorCode MovingBody::start() {
   PetscFunctionBeginUser;
   if (!stand_) PetscCall(VecDuplicate(scene_.displacement, &stand_));
   PetscCall(VecCopy(scene_.displacement, stand_));
-  PetscCall(copy_local(&state.u));
+  PetscCall(scene_.discretization.copy_local(scene_.displacement, &state.u));
   PetscCall(set_initial_velocity(&state.v));
   state.a.assign(state.u.size(), 0);
   for (std::size_t k = 0; k < state.u.size(); ++k) {
@@ -262,7 +252,7 @@ PetscErrorCode MovingBody::accept(double time) {
   std::vector<double> u;
   PetscFunctionBeginUser;
   PetscCall(scene_.functional->accept_step(scene_.displacement));
-  PetscCall(copy_local(&u));
+  PetscCall(scene_.discretization.copy_local(scene_.displacement, &u));
   integrator_.accept(u.data());
   PetscCall(VecCopy(scene_.displacement, stand_));
   time_of_stand_ = time;

@@ -57,7 +57,6 @@ class MovingBody {
   PetscErrorCode hold(double time, double length, HeldMotion *motion);
   PetscErrorCode set_initial_velocity(std::vector<double> *velocity) const;
   PetscErrorCode solve_for_acceleration(std::vector<double> *acceleration) const;
-  PetscErrorCode copy_local(std::vector<double> *u) const;
 
   Scene &scene_;
   std::shared_ptr<const MassMatrix> mass_;

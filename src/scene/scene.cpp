@@ -74,9 +74,11 @@ PetscErrorCode tell_materials(MPI_Comm comm, Scene *scene) {
   }
   if (whole_body && !options.material.is_named) {
     PetscCall(PetscPrintf(comm,
-                          "material: none is named, so the default: %s, Young's modulus 1e6, "
-                          "Poisson's ratio 0.45\n",
-                          options.material.model.c_str()));
+                          "material: none is named, so the default: %s, Young's modulus %g, "
+                          "Poisson's ratio %g\n",
+                          options.material.model.c_str(),
+                          options.material.parameters.constants.young,
+                          options.material.parameters.constants.poisson));
   }
   if (locks && !is_quadratic(*scene->mesh.shape)) {
     std::ostringstream text;

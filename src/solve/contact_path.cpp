@@ -15,16 +15,6 @@ bool ContactPath::exists() const {
   return scene_.contact != nullptr;
 }
 
-PetscErrorCode ContactPath::copy_local(std::vector<double> *u) const {
-  Vec local = nullptr;
-  const PetscScalar *values = nullptr;
-  PetscFunctionBeginUser;
-  PetscCall(scene_.discretization.get_local(scene_.displacement, &local, &values));
-  u->assign(values, values + scene_.mesh.coordinates.size());
-  PetscCall(scene_.discretization.restore_local(&local, &values));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode ContactPath::begin() {
   PetscInt64 count = 0;
   std::string first;
@@ -35,7 +25,7 @@ PetscErrorCode ContactPath::begin() {
   PetscCall(VecSet(unknowns_, 0));
   PetscCall(scene_.contact->set_time(0));
   if (scene_.motion) {
-    PetscCall(copy_local(&stand_));
+    PetscCall(scene_.discretization.copy_local(scene_.displacement, &stand_));
     PetscCall(VecCopy(scene_.displacement, unknowns_));
     PetscCall(scene_.contact->find_intersections(stand_.data(), &count, &first));
     PetscCheck(count == 0, PetscObjectComm(reinterpret_cast<PetscObject>(scene_.mesh.dm)),
@@ -55,17 +45,17 @@ PetscErrorCode ContactPath::move_to(double time, std::string *blocked) {
   blocked->clear();
   solves_ = 1;
   PetscCall(scene_.contact->set_time(time));
-  PetscCall(copy_local(&u));
+  PetscCall(scene_.discretization.copy_local(scene_.displacement, &u));
   PetscCall(scene_.contact->find_allowed_motion(stand_.data(), time_, u.data(), time, &motion));
   if (motion.share >= 1) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(VecCopy(unknowns_, scene_.displacement));
-  PetscCall(copy_local(&u));
+  PetscCall(scene_.discretization.copy_local(scene_.displacement, &u));
   PetscCall(scene_.contact->find_allowed_motion(stand_.data(), time_, u.data(), time, &motion));
   if (motion.share >= 1) PetscFunctionReturn(PETSC_SUCCESS);
   if (motion.share > 0) {
     AllowedMotion pushed;
     PetscCall(predict(u, time, 1e-3 * motion.share));
-    PetscCall(copy_local(&u));
+    PetscCall(scene_.discretization.copy_local(scene_.displacement, &u));
     PetscCall(scene_.contact->find_allowed_motion(stand_.data(), time_, u.data(), time, &pushed));
     if (pushed.share >= 1) PetscFunctionReturn(PETSC_SUCCESS);
     if (pushed.share > motion.share) motion = pushed;
@@ -140,7 +130,7 @@ PetscErrorCode ContactPath::repeats(PetscInt iterations, bool *again) {
            (wanted < 0 ? solves_ < most && (solves_ == 1 || iterations > 1) : solves_ < wanted);
   if (!*again) PetscFunctionReturn(PETSC_SUCCESS);
   ++solves_;
-  PetscCall(copy_local(&u));
+  PetscCall(scene_.discretization.copy_local(scene_.displacement, &u));
   PetscCall(scene_.contact->lag_friction(u.data()));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -149,7 +139,7 @@ PetscErrorCode ContactPath::accept(double time, std::string *broken) {
   PetscInt64 count = 0;
   std::vector<double> u;
   PetscFunctionBeginUser;
-  PetscCall(copy_local(&u));
+  PetscCall(scene_.discretization.copy_local(scene_.displacement, &u));
   PetscCall(scene_.contact->find_intersections(u.data(), &count, broken));
   if (count > 0) {
     *broken = "surfaces have passed through each other, " + *broken;

@@ -36,7 +36,6 @@ class ContactPath {
   PetscErrorCode accept(double time, std::string *broken);
 
  private:
-  PetscErrorCode copy_local(std::vector<double> *u) const;
   PetscErrorCode predict(const std::vector<double> &target, double time, double share);
   PetscErrorCode hold_between(const std::vector<double> &target, double time, double at);
 

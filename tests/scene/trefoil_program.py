@@ -22,6 +22,16 @@ def run(options, ranks=1, folder=None):
                           timeout=300, cwd=folder, env=environment(), check=False)
 
 
+def refusal_of(options, ranks=1):
+    """The one sentence with which a run ends as bad input."""
+    refused = run(options, ranks)
+    sentences = [line for line in refused.stdout.splitlines() if line.startswith("trefoil: ")]
+    if refused.returncode != 1 or len(sentences) != 1:
+        raise AssertionError(f"no refusal in one sentence, exit {refused.returncode}:\n"
+                             f"{refused.stdout}")
+    return sentences[0]
+
+
 def record_of(options, ranks=1):
     """The JSON record of a run, with its exit status under `status`."""
     words = options.split() if isinstance(options, str) else list(options)

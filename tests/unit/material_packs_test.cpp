@@ -120,103 +120,6 @@ TEST_P(MaterialPacksTest, OneDeformationIsALane) {
   }
 }
 
-/// psi = W(F) + U(J): the parts of what can be split are the whole, for psi, P and the tangent.
-TEST_P(MaterialPacksTest, PartsAddUpToTheWhole) {
-  const std::string name = std::get<0>(GetParam());
-  EXPECT_EQ(model_->splits_volume(), name != "corotated" && name != "st_venant_kirchhoff");
-  if (!model_->splits_volume()) return;
-  const std::vector<State> states = packs_of_states(to_inversion);
-  for (std::size_t first = 0; first < states.size(); first += lanes) {
-    const PackedStates packed(&states[first]);
-    alignas(64) double psi[lanes], P[9 * lanes], A[81 * lanes], W[lanes], law[3 * lanes],
-        change[lanes], P_at_pressure[9 * lanes], A_at_pressure[81 * lanes];
-    for (std::size_t lane = 0; lane < lanes; ++lane)
-      change[lane] = deformed(states[first + lane].F).J_minus_1();
-    model_->energy_densities(packed.H, psi);
-    model_->stresses(packed.H, P);
-    model_->tangents(packed.H, A);
-    model_->distortional_energies(packed.H, W);
-    model_->volumetric_laws(change, law);
-    model_->stresses_at_pressure(packed.H, law + lanes, P_at_pressure);
-    model_->tangents_at_pressure(packed.H, law + lanes, A_at_pressure);
-    for (std::size_t lane = 0; lane < lanes; ++lane) {
-      const Matrix F = states[first + lane].F, C = cofactor(F);
-      const double U = law[lane], curvature = law[2 * lanes + lane];
-      double size = 0;
-      for (std::size_t p = 0; p < 81; ++p) size = std::max(size, std::abs(A[lanes * p + lane]));
-      // Of A, of F's cofactors, and of a pressure that may balance a part of W.
-      const double noise = 1e-13 * size + 1e-15 * std::abs(curvature) * dot(F, F) * norm(C) +
-                           1e-15 * std::abs(law[lanes + lane]) * norm(F);
-      EXPECT_NEAR(W[lane] + U, psi[lane], 1e-14 * (std::abs(U) + size * (1 + dot(F, F))));
-      for (std::size_t p = 0; p < 9; ++p) {
-        EXPECT_NEAR(P_at_pressure[lanes * p + lane], P[lanes * p + lane],
-                    1e-14 * size * (1 + norm(C)));
-        for (std::size_t q = 0; q < 9; ++q) {
-          const std::size_t entry = lanes * (9 * p + q) + lane;
-          EXPECT_NEAR(A_at_pressure[entry] + curvature * C.entries[p] * C.entries[q], A[entry],
-                      noise);
-        }
-      }
-    }
-  }
-}
-
-/// U is a function of J alone whose derivatives are what they are said to be; W knows nothing of
-/// it: at a pressure of 0, stress and tangent are its derivatives.
-TEST_P(MaterialPacksTest, PartsHaveTheirDerivatives) {
-  if (!model_->splits_volume()) return;
-  const auto law = [&](double J_minus_1) {
-    alignas(64) double in[lanes], out[3 * lanes];
-    std::fill_n(in, lanes, J_minus_1);
-    model_->volumetric_laws(in, out);
-    return std::array<double, 3>{out[0], out[lanes], out[2 * lanes]};
-  };
-  EXPECT_EQ(law(0)[0], 0);
-  EXPECT_EQ(law(0)[1], 0) << "free of stress at rest";
-  for (const double J_minus_1 : {-0.7, -0.3, -1e-3, 1e-3, 0.2, 3.0}) {
-    const auto [U, slope, curvature] = law(J_minus_1);
-    const double h = 1e-3 * (1 + J_minus_1);
-    EXPECT_NEAR(derivative(h, [&](double s) { return law(J_minus_1 + s)[0]; }), slope,
-                1e-9 * std::abs(curvature));
-    EXPECT_NEAR(derivative(h, [&](double s) { return law(J_minus_1 + s)[1]; }), curvature,
-                1e-9 * std::abs(curvature));
-  }
-  Random random(9);
-  alignas(64) double H[9 * lanes], out[81 * lanes], pressure[lanes];
-  const auto evaluate = [&](auto function, const Matrix &F) {
-    for (std::size_t k = 0; k < 9; ++k)
-      std::fill_n(H + lanes * k, lanes, less_identity(F).entries[k]);
-    function();
-  };
-  for (const auto &[name, F, step] : all_states(to_inversion)) {
-    for (const double p : {0.0, 1.7}) {
-      std::fill_n(pressure, lanes, p);
-      const auto energy = [&](const Matrix &at) {  // W + p J
-        evaluate([&] { model_->distortional_energies(H, out); }, at);
-        return out[0] + p * determinant(at);
-      };
-      const auto stress = [&](const Matrix &at) {
-        evaluate([&] { model_->stresses_at_pressure(H, pressure, out); }, at);
-        Matrix P;
-        for (std::size_t k = 0; k < 9; ++k) P.entries[k] = out[lanes * k];
-        return P;
-      };
-      const Matrix D = random.matrix(), P = stress(F);
-      evaluate([&] { model_->tangents_at_pressure(H, pressure, out); }, F);
-      Tangent<double> A;
-      for (std::size_t k = 0; k < 81; ++k) A[k] = out[lanes * k];
-      EXPECT_NEAR(derivative(step, [&](double s) { return energy(along(F, s, D)); }), dot(P, D),
-                  1e-8 * (norm(P) + norm(A)))
-          << name;
-      const Matrix AD = test::apply(A, D);
-      for (std::size_t k = 0; k < 9; ++k)
-        EXPECT_NEAR(derivative(step, [&](double s) { return stress(along(F, s, D)).entries[k]; }),
-                    AD.entries[k], 1e-8 * norm(A))
-            << name;
-    }
-  }
-}
-
 std::string name_of(const testing::TestParamInfo<std::tuple<std::string, InstructionSet>> &info) {
   const char *sets[] = {"baseline", "avx2", "avx512"};
   return std::get<0>(info.param) + "_" + sets[static_cast<int>(std::get<1>(info.param))];
@@ -298,7 +201,6 @@ TEST(MaterialRegistryTest, TakesMaterialsFromOutside) {
   register_material<Jelly>();
   ASSERT_EQ(material_names().back(), "jelly");
   const auto model = make_material("jelly", {ElasticConstants::from_lame(2, 0)});
-  EXPECT_FALSE(model->splits_volume());
   alignas(64) double H[9 * lanes] = {}, psi[lanes];
   H[5] = 2;
   model->energy_densities(H, psi);
