@@ -1,5 +1,6 @@
 #include "search/energy_check.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "support/petsc_compatibility.hpp"
@@ -35,20 +36,26 @@ PetscErrorCode refuse_foreign_objective(LineSearchState &state) {
 }
 
 PetscErrorCode refuse_endless_descent(MPI_Comm comm, const SolveRecord &record) {
-  constexpr std::size_t window = 8;
+  // The residual grows as well where a saddle is left, but ends about where it was before the
+  // saddle was come near.
+  constexpr double endless = 1e6;
   const auto &history = record.history;
+  const IterationRecord *next = &record.current;
+  std::size_t first = history.size();  // of the iterations since when both grow
   PetscFunctionBegin;
-  if (history.size() < window) PetscFunctionReturn(PETSC_SUCCESS);
-  bool grows = true;
-  for (std::size_t k = history.size() - window; k < history.size(); ++k) {
-    const IterationRecord &next = k + 1 < history.size() ? history[k + 1] : record.current;
-    grows = grows && next.decrement > history[k].decrement &&
-            next.gradient_norm > history[k].gradient_norm;
+  while (first > 0 && next->decrement > history[first - 1].decrement &&
+         next->gradient_norm > history[first - 1].gradient_norm) {
+    next = &history[--first];
   }
-  PetscCheck(!grows, comm, PETSC_ERR_ARG_WRONG,
-             "the energy falls faster and faster and the residual grows: there is no minimum this "
-             "way; SNESSetFunction() wants plus the gradient of the energy to minimise, and "
-             "SNESSetJacobian() plus its Hessian");
+  double before = 0;
+  for (std::size_t k = 0; k <= first && k < history.size(); ++k) {
+    before = std::max(before, history[k].gradient_norm);
+  }
+  PetscCheck(!(before > 0 && record.current.gradient_norm > endless * before), comm,
+             PETSC_ERR_ARG_WRONG,
+             "the energy falls faster and faster and the residual has grown a million times: there "
+             "is no minimum this way; SNESSetFunction() wants plus the gradient of the energy to "
+             "minimise, and SNESSetJacobian() plus its Hessian");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -6,6 +6,7 @@
 
 #include "element_host.hpp"
 #include "plugin_fixture.hpp"
+#include "search/energy_check.hpp"
 
 namespace trefoil::test {
 namespace {
@@ -218,6 +219,32 @@ TEST(SignTest, MinusTheGradientIsRefused) {
     EXPECT_NE(error.sentence.find("SNESSetFunction() wants plus the gradient"), std::string::npos)
         << error.sentence;
   }
+}
+
+/// A solve's history of decrements and gradients' norms, the last being the iteration under way.
+SolveRecord record_of_descent(const std::vector<double> &norms) {
+  SolveRecord record;
+  for (const double norm : norms) {
+    IterationRecord iteration;
+    iteration.gradient_norm = norm;
+    iteration.decrement = norm * norm;
+    record.history.push_back(iteration);
+  }
+  record.current = record.history.back();
+  record.history.pop_back();
+  return record;
+}
+
+// Where linear solves are rough a saddle is left slowly, and its residual grows all the way.
+TEST(SignTest, ASaddleThatIsLeftIsNoEndlessDescent) {
+  std::vector<double> norms;
+  for (double norm = 100; norm > 1e-5; norm /= 4) norms.push_back(norm);
+  for (double norm = 1e-5; norm < 50; norm *= 1.4) norms.push_back(norm);
+  const CaughtError error;
+  EXPECT_EQ(refuse_endless_descent(PETSC_COMM_WORLD, record_of_descent(norms)), PETSC_SUCCESS)
+      << error.sentence;
+  for (double norm = 50; norm < 1e10; norm *= 1.4) norms.push_back(norm);
+  EXPECT_NE(refuse_endless_descent(PETSC_COMM_WORLD, record_of_descent(norms)), PETSC_SUCCESS);
 }
 
 // Steps far too long for a stiff energy, whose shorter ones rounding drowns: the one difference
