@@ -77,6 +77,29 @@ PetscErrorCode sample(LineSearchState &state, const Plane &plane,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// The same changes as the quadratic model has them, with H unfiltered. Differences of energies
+/// lose their digits near a solution; slopes and products keep theirs.
+PetscErrorCode model(const FilteredJacobian &jacobian, SearchMemory &memory,
+                     const LineSearchState &state, const Plane &plane,
+                     const std::vector<Polynomial::Point> &points, std::vector<double> *changes) {
+  Vec product = nullptr;
+  double slopes[2] = {state.slope, 0}, H[2][2] = {};
+  PetscFunctionBegin;
+  PetscCall(memory.vectors.get(Work::product, state.x, &product));
+  for (int i = 0; i < plane.dimension; ++i) {
+    PetscCall(jacobian.multiply_unfiltered(plane.directions[i], product));
+    for (int j = 0; j <= i; ++j) PetscCall(dot(product, plane.directions[j], &H[i][j]));
+    if (i > 0) PetscCall(dot(state.residual, plane.directions[i], &slopes[i]));
+  }
+  changes->clear();
+  for (const Polynomial::Point &point : points) {
+    const double a = middle + reach * point[0], b = plane.dimension > 1 ? reach * point[1] : 0;
+    changes->push_back(slopes[0] * a + slopes[1] * b +
+                       0.5 * (H[0][0] * a * a + 2 * H[1][0] * a * b + H[1][1] * b * b));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /// Aims at x + a d + b p, where that descends.
 PetscErrorCode turn(double a, double b, const Plane &plane, SearchMemory &memory,
                     LineSearchState &state) {
@@ -103,12 +126,13 @@ PetscErrorCode minimise_in_plane(const FilteredJacobian &jacobian, SearchMemory 
   Plane plane;
   std::vector<double> changes;
   PetscFunctionBegin;
-  // The callback adds up differences, which keep digits that differences of sums have lost.
-  if (!state.f.changes_callback && is_lost_in_rounding(state, state.slope)) {
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
   PetscCall(open_plane(jacobian, memory, state, &plane));
-  PetscCall(sample(state, plane, Polynomial::nodes(plane.dimension, degree), &changes));
+  const auto nodes = Polynomial::nodes(plane.dimension, degree);
+  if (is_lost_in_rounding(state, state.slope)) {
+    PetscCall(model(jacobian, memory, state, plane, nodes, &changes));
+  } else {
+    PetscCall(sample(state, plane, nodes, &changes));
+  }
   // Points of infinite energy fit no polynomial: then the line search goes along d alone.
   for (double change : changes) {
     if (!std::isfinite(change)) PetscFunctionReturn(PETSC_SUCCESS);

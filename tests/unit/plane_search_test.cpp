@@ -227,6 +227,23 @@ TEST(PlaneSearchTest, WithoutCorrectionsSolvesOnceAnIteration) {
   EXPECT_EQ(host.result("linear_solves"), host.result("iterations"));
 }
 
+// A constant that takes the last ten digits of every energy costs no iterations: near the minimum
+// the plane's own model, of slopes and products, says where to go.
+TEST(PlaneSearchTest, DrownedEnergiesAreNotSampled) {
+  Pulled plain("subspace", "plain"), drowned("subspace", "drowned");
+  for (Pulled *host : {&plain, &drowned}) {
+    host->option("snes_trefoil_verify_minimum", "false");
+    host->option("snes_trefoil_decrement_tolerance", "1e-22");
+  }
+  drowned.chain.constant = 1e6;
+  ASSERT_EQ(plain.run(), PETSC_SUCCESS);
+  ASSERT_EQ(drowned.run(), PETSC_SUCCESS);
+  EXPECT_GT(drowned.reason, 0) << drowned.record.at("result").at("reason");
+  for (std::size_t i = 0; i < plain.solution.size(); ++i)
+    EXPECT_NEAR(plain.solution[i], drowned.solution[i], 1e-8);
+  EXPECT_LE(drowned.result("iterations"), plain.result("iterations") + 3);
+}
+
 TEST(PlaneSearchTest, BacktracksUntilTheModelIsTrusted) {
   Pulled armijo("armijo"), careful("subspace");
   for (Pulled *host : {&armijo, &careful}) host->option("snes_trefoil_rho_tolerance", "0");
