@@ -42,6 +42,11 @@ def cube(path, size=1.0):
     return grid(path, *(steps(size, 4),) * 3)
 
 
+def bar(path):
+    """2 x 1 x 1."""
+    return grid(path, steps(2, 16), steps(1, 8), steps(1, 8))
+
+
 def beam(path):
     """100 x 1 x 1 along z."""
     return grid(path, steps(1, 2), steps(1, 2), steps(100, 100))

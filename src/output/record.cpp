@@ -92,6 +92,7 @@ Json state_json(const RunReport &report, const StateReport &state) {
             {"largest_von_mises", place(state.largest_von_mises)},
             {"volume", number(state.volume)}};
   if (state.is_loose) json["loose"] = true;
+  if (state.is_rejected) json["rejected"] = true;
   if (!state.probes.empty()) json["probes"] = probes;
   if (state.motion) {
     json["dt"] = state.motion->step;

@@ -72,6 +72,7 @@ struct StateReport {
   double energy = 0, strain_energy = 0, load_work = 0;
   PetscInt iterations = 0;
   bool is_loose = false;             ///< on a path of the program's own accord: no equilibrium
+  bool is_rejected = false;          ///< what counts was not reached from it
   std::vector<Resultant> reactions;  ///< of the constraints
   std::vector<Resultant> loads;
   Extreme largest_displacement, least_determinant, largest_von_mises;

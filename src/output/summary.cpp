@@ -48,7 +48,7 @@ std::string verdict(const Json &record) {
             (inverted == 1 ? " is inverted" : " are inverted");
   }
   if (const int halvings = result.value("path_halvings", 0); halvings > 0) {
-    text += "; WARNING: the path to it was halved down, " + counted(halvings, "time") +
+    text += "; WARNING: the path of its loads was halved down, " + counted(halvings, "time") +
             ": there may be other equilibria";
   }
   return text + "\n";

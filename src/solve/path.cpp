@@ -218,6 +218,7 @@ PetscErrorCode Tries::take_path() {
   if (path_counts_) {
     attempt_ = end;
   } else {
+    outcome_->path_is_rejected = true;
     if (end.converged) outcome_->path_halvings = 0;  // it led elsewhere
     PetscCall(return_to_leap());
   }

@@ -81,6 +81,9 @@ PetscErrorCode fill_report(const Scene &scene, const SolveOutcome &outcome, cons
   report->guess_linear_solves = outcome.guess.linear_solves;
   report->inverted = outcome.inverted;
   report->path_halvings = outcome.path_halvings;
+  for (StateReport &state : report->states) {
+    state.is_rejected = state.is_loose && outcome.path_is_rejected;
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -17,10 +17,11 @@ struct SolveOutcome {
   bool converged = false;
   /// Where the way in load steps ended before t = 1, and why; empty: it did not.
   std::string failure;
-  double time = 1;            ///< t of the state that the scene is left at
-  int path_halvings = 0;      ///< of steps on a path of the program's own accord
-  std::string plugin_record;  ///< JSON of the plugin, see TrefoilSNESGetRecord()
-  std::string linear_solver;  ///< in words, see LinearSolver
+  double time = 1;                ///< t of the state that the scene is left at
+  int path_halvings = 0;          ///< of steps on a path of the program's own accord
+  bool path_is_rejected = false;  ///< such a path was walked, and the end of a leap counts
+  std::string plugin_record;      ///< JSON of the plugin, see TrefoilSNESGetRecord()
+  std::string linear_solver;      ///< in words, see LinearSolver
   GuessCost guess;
   double energy_rest = 0, energy_scale = 0;
   PetscInt64 inverted_at_start = 0, inverted = 0;

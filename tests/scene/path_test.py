@@ -1,16 +1,22 @@
 #!/usr/bin/python3
 """The path that a hard scene is led on of the program's own accord: where it is taken, where it is
 cut, and where it is not."""
+import os
+import sys
+import tempfile
 import unittest
 
 from boxes import BOX, ENDS
-from trefoil_program import record_of
+from trefoil_program import ROOT, record_of
+
+sys.path.insert(0, os.path.join(ROOT, "tests"))
+from hard_case_meshes import bar  # noqa: E402  (beside the folder of this file)
 
 # A cube, two faces held, one turned about its axis: half a turn, written as where it ends.
-CUBE = ["-mesh_generate", "box", "-mesh_resolution", "6", "-material_poisson", "0.495",
-       "-material_young", "1", "-constraints", "held,turned", "-constraint_held_where", "x == xmin",
-       "-constraint_held_move", "0, 0, 0", "-constraint_turned_where", "x == xmax"]
-HALF_TURN = [*CUBE, "-constraint_turned_move", "0, 1 - 2*y, 1 - 2*z"]
+TURN = ["-material_poisson", "0.495", "-material_young", "1", "-constraints", "held,turned",
+        "-constraint_held_where", "x == xmin", "-constraint_held_move", "0, 0, 0",
+        "-constraint_turned_where", "x == xmax", "-constraint_turned_move", "0, 1 - 2*y, 1 - 2*z"]
+HALF_TURN = [*TURN, "-mesh_generate", "box", "-mesh_resolution", "6"]
 
 
 def above_rest(record):
@@ -29,6 +35,20 @@ class HalfTurn(unittest.TestCase):
                     self.assertLess(above_rest(ours), 1.001 * above_rest(loaded))
                     self.assertGreater(above_rest(ours), 0.999 * above_rest(loaded))
 
+    def test_of_a_bar_keeps_its_elements(self):
+        """A leap ends in a minimum of five times the energy, with all elements whole."""
+        with tempfile.TemporaryDirectory() as folder:
+            mesh = os.path.join(folder, "bar.mesh")
+            bar(mesh)
+            scene = [*TURN, "-mesh_file", mesh]
+            ours = record_of(scene)
+            leap = record_of([*scene, "-initial", "harmonic"])
+        self.assertEqual([ours["status"], leap["status"]], [0, 0])
+        self.assertTrue(leap["result"]["minimum"])
+        self.assertEqual(ours["result"]["inverted"], 0)
+        self.assertAlmostEqual(above_rest(ours), 0.14004, delta=2e-4)
+        self.assertGreater(above_rest(leap), 2 * above_rest(ours))
+
     def test_record_lists_the_steps(self):
         record = record_of(HALF_TURN)
         steps, result = record["steps"], record["result"]
@@ -41,10 +61,13 @@ class HalfTurn(unittest.TestCase):
         self.assertEqual(len(result["load_step_iterations"]), len(steps))
 
     def test_none_where_the_user_says_how(self):
-        for option in (["-initial", "harmonic"], ["-load_steps", "1"]):
-            record = record_of(HALF_TURN + option)
-            self.assertEqual(len(record["steps"]), 1)
-            self.assertNotIn("load_step_iterations", record["result"])
+        for option in (["-initial", "harmonic"], ["-load_steps", "1"],
+                       ["-snes_type", "newtonls", "-snes_max_it", "3"]):
+            with self.subTest(option=option):
+                record = record_of(HALF_TURN + option)
+                self.assertLessEqual(len(record["steps"]), 1)
+                self.assertNotIn("load_step_iterations", record["result"])
+                self.assertNotIn("path to", record["printed"])
 
 
 class Cut(unittest.TestCase):
@@ -59,19 +82,27 @@ class Cut(unittest.TestCase):
 
 
 class Mild(unittest.TestCase):
-    def test_pays_nothing(self):
-        """One leap, and no more iterations than Newton's method takes."""
-        for move in ("0, 0, 0.02", "0.02, 0, 0", "0, 0, -0.02"):
+    def test_takes_no_more_steps_than_newton(self):
+        """One leap, and no more of its steps than Newton's method needs to come as far."""
+        for move in ("0, 0, 0.02", "0.02, 0, 0", "0, 0, -0.02", "0, 0, 0.2", "0, 0.3, 0"):
             scene = [*ENDS, "-constraint_low_move", "0, 0, 0", "-constraint_high_move", move]
             ours = record_of(scene)
-            newton = record_of([*scene, "-initial", "rest", "-snes_trefoil_filter", "newton",
-                                "-snes_trefoil_search", "armijo"])
-            self.assertEqual([ours["status"], newton["status"]], [0, 0])
+            self.assertEqual(ours["status"], 0)
             self.assertEqual(len(ours["steps"]), 1)
             self.assertNotIn("path to", ours["printed"])
-            self.assertLessEqual(ours["result"]["iterations"], newton["result"]["iterations"])
+            bound = ours["result"]["energy"] + 1e-7 * ours["result"]["energy_scale"]
+            for start in (["-initial", "rest"], []):
+                newton = record_of([*scene, *start, "-snes_type", "newtonls",
+                                    "-snes_linesearch_type", "bt"])
+                with self.subTest(move=move, start=start):
+                    reached = [k for k, state in enumerate(newton["history"])
+                               if state["energy"] <= bound]
+                    self.assertTrue(reached)
+                    self.assertLessEqual(len(ours["history"]) - 1, reached[0])
 
-    def test_hard_end_has_tried_the_path(self):
+
+class HardEnd(unittest.TestCase):
+    def test_has_tried_the_path_and_says_what_is_inverted(self):
         """A leap whose guess is whole and whose end is not."""
         scene = [*BOX, "-material_poisson", "0.3", "-constraints", "low,high",
                  "-constraint_low_where", "z == zmin", "-constraint_high_where", "z == zmax",
@@ -82,6 +113,14 @@ class Mild(unittest.TestCase):
         self.assertIn("path to", record["printed"])
         self.assertLessEqual(above_rest(record), above_rest(leap) * (1 + 1e-6))
         self.assertGreater(record["result"]["iterations"], leap["result"]["iterations"])
+        self.assertGreater(record["result"]["inverted"], 0)
+        verdict = next(line for line in record["printed"].splitlines()
+                       if line.startswith("converged in"))
+        self.assertIn(f"WARNING: {record['result']['inverted']} elements are inverted", verdict)
+        # Both are counted; the states of the path that led elsewhere are marked as such.
+        self.assertTrue(all(step["rejected"] for step in record["steps"][:-1]))
+        self.assertNotIn("rejected", record["steps"][-1])
+        self.assertEqual(record["steps"][-1]["iterations"], leap["result"]["iterations"])
 
 
 if __name__ == "__main__":
