@@ -253,10 +253,10 @@ PetscErrorCode Tries::go() {
 
 }  // namespace
 
-PetscErrorCode may_take_path(bool *may) {
+PetscErrorCode may_take_path(const SceneOptions &options, bool *may) {
   PetscFunctionBeginUser;
-  *may = true;
-  for (const char *option : {"-initial", "-load_steps", "-snes_type"}) {
+  *may = options.initial == "auto";
+  for (const char *option : {"-load_steps", "-snes_type"}) {
     PetscBool is_given = PETSC_FALSE;
     PetscCall(PetscOptionsHasName(nullptr, nullptr, option, &is_given));
     *may = *may && !is_given;

@@ -4,9 +4,10 @@
 
 namespace trefoil {
 
-/// Whether a scene may be led on a path of the program's own accord: unless the user says where
-/// (-initial), in what steps (-load_steps) or by what (-snes_type) it is solved. Collective.
-PetscErrorCode may_take_path(bool *may);
+/// Whether a scene may be led on a path of the program's own accord: unless the user says from
+/// where (-initial other than auto), in what steps (-load_steps) or by what (-snes_type) it is
+/// solved. Collective.
+PetscErrorCode may_take_path(const SceneOptions &options, bool *may);
 
 /// Solves a scene in one leap from its starting guess or, where it is hard, on a path. A scene is
 /// hard where its guess has more than one element in two hundred inverted. Where the end of a leap

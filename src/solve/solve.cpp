@@ -192,7 +192,7 @@ PetscErrorCode solve_scene(Scene &scene, const StateObserver &observe, SolveOutc
   PetscFunctionBeginUser;
   PetscCall(scene.functional->energy_at_rest(&outcome->energy_rest));
   PetscCall(choose_linear_solver(scene, &scene.linear_solver));
-  PetscCall(may_take_path(&may_take));
+  PetscCall(may_take_path(scene.options, &may_take));
   may_take = may_take && !scene.contact;  // a leap would pass through what is in the way
   if (scene.motion) {
     PetscCall(walk_in_time(scene, observe, outcome));

@@ -69,6 +69,11 @@ class HalfTurn(unittest.TestCase):
                 self.assertNotIn("load_step_iterations", record["result"])
                 self.assertNotIn("path to", record["printed"])
 
+    def test_auto_is_what_is_done_without(self):
+        given, left = record_of([*HALF_TURN, "-initial", "auto"]), record_of(HALF_TURN)
+        self.assertEqual(given["result"]["load_step_iterations"],
+                         left["result"]["load_step_iterations"])
+
 
 class Cut(unittest.TestCase):
     def test_is_halved_where_a_step_starts_at_infinite_energy(self):
