@@ -13,7 +13,4 @@ nlohmann::ordered_json make_record(const RunReport &report);
 /// body does, time by phase.
 std::string summary_of(const nlohmann::ordered_json &record);
 
-/// The results as comma-separated values: a line of names, then one for each load step.
-std::string results_table(const RunReport &report);
-
 }  // namespace trefoil

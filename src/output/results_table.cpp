@@ -1,6 +1,9 @@
+#include "output/results_table.hpp"
+
 #include <cstdio>
 
-#include "output/record.hpp"
+#include "support/petsc_compatibility.hpp"
+#include "support/text_file.hpp"
 
 namespace trefoil {
 namespace {
@@ -27,9 +30,7 @@ class Row {
   std::string text_;
 };
 
-}  // namespace
-
-std::string results_table(const RunReport &report) {
+std::string line_of_names(const RunReport &report) {
   Row names;
   for (const char *name : {"t", "energy", "strain_energy", "load_work", "iterations",
                            "largest_displacement", "least_det_F", "largest_von_mises", "volume"}) {
@@ -40,39 +41,68 @@ std::string results_table(const RunReport &report) {
     names.add_names(constraint.name + "_moment");
   }
   for (const LoadReport &load : report.loads) names.add_names(load.name + "_force");
-  for (const ProbeReport &probe : report.end.probes) names.add_names(probe.name + "_displacement");
-  const bool moves = !report.states.empty() && report.states.front().motion;
-  if (moves) {
+  const StateReport &first = report.states.empty() ? report.end : report.states.front();
+  for (const ProbeReport &probe : first.probes) names.add_names(probe.name + "_displacement");
+  if (first.motion) {
     names.add(std::string("dt"));
     names.add(std::string("kinetic_energy"));
     names.add_names("momentum");
     names.add_names("angular_momentum");
   }
-  std::string table = names.line();
+  return names.line();
+}
+
+std::string line_of(const StateReport &state) {
+  Row row;
+  for (const double value :
+       {state.t, state.energy, state.strain_energy, state.load_work,
+        static_cast<double>(state.iterations), state.largest_displacement.value,
+        state.least_determinant.value, state.largest_von_mises.value, state.volume}) {
+    row.add(value);
+  }
+  for (const Resultant &reaction : state.reactions) {
+    row.add_vector(reaction.force);
+    row.add_vector(reaction.moment);
+  }
+  for (const Resultant &load : state.loads) row.add_vector(load.force);
+  for (const ProbeReport &probe : state.probes) row.add_vector(probe.displacement);
+  if (state.motion) {
+    row.add(state.motion->step);
+    row.add(state.motion->kinetic_energy);
+    row.add_vector(state.motion->momentum);
+    row.add_vector(state.motion->angular_momentum);
+  }
+  return row.line();
+}
+
+}  // namespace
+
+std::string results_table(const RunReport &report) {
+  std::string table = line_of_names(report);
   for (const StateReport &state : report.states) {
-    if (state.is_loose) continue;
-    Row row;
-    for (const double value :
-         {state.t, state.energy, state.strain_energy, state.load_work,
-          static_cast<double>(state.iterations), state.largest_displacement.value,
-          state.least_determinant.value, state.largest_von_mises.value, state.volume}) {
-      row.add(value);
-    }
-    for (const Resultant &reaction : state.reactions) {
-      row.add_vector(reaction.force);
-      row.add_vector(reaction.moment);
-    }
-    for (const Resultant &load : state.loads) row.add_vector(load.force);
-    for (const ProbeReport &probe : state.probes) row.add_vector(probe.displacement);
-    if (moves) {
-      row.add(state.motion->step);
-      row.add(state.motion->kinetic_energy);
-      row.add_vector(state.motion->momentum);
-      row.add_vector(state.motion->angular_momentum);
-    }
-    table += row.line();
+    if (!state.is_loose) table += line_of(state);
   }
   return table;
+}
+
+PetscErrorCode ResultsFile::add(const RunReport &report) {
+  const StateReport &state = report.states.back();
+  int grows = !is_stream(path_);
+  PetscFunctionBeginUser;
+  if (path_.empty() || state.is_loose) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCallMPI(MPI_Bcast(&grows, 1, MPI_INT, 0, comm_));  // the first rank's stdout may be the file
+  if (!grows) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(is_begun_ ? append_text_file(comm_, path_, line_of(state))
+                      : write_text_file(comm_, path_, results_table(report)));
+  is_begun_ = true;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode ResultsFile::end(const RunReport &report) {
+  PetscFunctionBeginUser;
+  if (path_.empty() || is_begun_) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(write_text_file(comm_, path_, results_table(report)));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 }  // namespace trefoil

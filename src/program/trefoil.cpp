@@ -11,6 +11,7 @@
 #include <string>
 
 #include "output/record.hpp"
+#include "output/results_table.hpp"
 #include "program/arguments.hpp"
 #include "program/help.hpp"
 #include "program/manual_page.hpp"
@@ -41,16 +42,13 @@ PetscErrorCode share_times(MPI_Comm comm, ProgramTimes *times) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// The record, the table of results and the closing words.
+/// The record and the closing words.
 PetscErrorCode write_results(MPI_Comm comm, const SceneOptions &options, const RunReport &report) {
   PetscFunctionBeginUser;
   const auto record = make_record(report);
   PetscCheck(record.is_object(), comm, PETSC_ERR_PLIB, "the solver left no record");
   if (!options.record_file.empty()) {
     PetscCall(write_text_file(comm, options.record_file, record.dump(1) + "\n"));
-  }
-  if (!options.csv_file.empty()) {
-    PetscCall(write_text_file(comm, options.csv_file, results_table(report)));
   }
   PetscCall(PetscPrintf(comm, "%s", summary_of(record).c_str()));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -69,6 +67,9 @@ PetscErrorCode solve(MPI_Comm comm, const SceneOptions &options, double begin, i
     PetscCall(print_scene_check(scene));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
+  report.constraints = scene.constraints.reports();
+  report.loads = scene.load_reports;
+  ResultsFile table(comm, options.csv_file);
   FieldOutput output(scene, has_series(scene.options));
   bool is_written = false;  // of the last state that was seen
   const auto observe = [&](double t, PetscInt iterations, bool is_loose) {
@@ -82,6 +83,7 @@ PetscErrorCode solve(MPI_Comm comm, const SceneOptions &options, double begin, i
         !is_loose && report.states.size() % static_cast<std::size_t>(options.output_every) == 0;
     if (is_written) PetscCall(output.write(t));
     report.states.push_back(state);
+    PetscCall(table.add(report));
     output_seconds += MPI_Wtime() - start;
     PetscFunctionReturn(PETSC_SUCCESS);
   };
@@ -103,6 +105,7 @@ PetscErrorCode solve(MPI_Comm comm, const SceneOptions &options, double begin, i
   report.times = {MPI_Wtime() - begin, scene.read_seconds, scene.setup_seconds, output_seconds,
                   outcome.guess.seconds};
   PetscCall(share_times(comm, &report.times));
+  PetscCall(table.end(report));
   PetscCall(write_results(comm, options, report));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -83,6 +83,35 @@ PetscErrorCode add_tensor_fields(const Scene &scene, const std::vector<std::stri
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// What only scenes in time have: the scheme's own velocities and accelerations.
+struct MotionField {
+  const char *name;
+  std::vector<double> Motion::*values;
+};
+
+constexpr MotionField motion_fields[] = {{"velocity", &Motion::v}, {"acceleration", &Motion::a}};
+
+void add_motion_fields(const Mesh &mesh, const Motion &state, const std::vector<std::string> &names,
+                       std::vector<Field> *fields) {
+  for (const auto &[name, values] : motion_fields) {
+    if (!has(names, name)) continue;
+    fields->push_back({name, true, 3, values_of_owned(mesh, (state.*values).data(), 3)});
+  }
+}
+
+/// Refuses fields of motion in a scene without time.
+PetscErrorCode check_motion_fields(MPI_Comm comm, const SceneOptions &options) {
+  PetscFunctionBeginUser;
+  for (const MotionField &field : motion_fields) {
+    PetscCheck(options.time.is_on || !has(options.output_fields, field.name), comm,
+               PETSC_ERR_USER_INPUT,
+               "-output_fields names the %s, which only a scene in time has: give -time_end and "
+               "-time_step, or leave it out",
+               field.name);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /// The connected part of each local cell, by number.
 PetscErrorCode add_parts(const Mesh &mesh, std::vector<Field> *fields) {
   std::vector<PetscInt> part_of_vertex;
@@ -103,6 +132,7 @@ PetscErrorCode add_parts(const Mesh &mesh, std::vector<Field> *fields) {
 std::vector<std::string> names_of_fields() {
   std::vector<std::string> names(std::begin(plain_fields), std::end(plain_fields));
   for (const TensorField &field : tensor_fields) names.emplace_back(field.name);
+  for (const MotionField &field : motion_fields) names.emplace_back(field.name);
   return names;
 }
 
@@ -111,12 +141,14 @@ std::vector<std::string> default_fields(const SceneOptions &options) {
                                  "determinant_F",        "energy_density",
                                  "negative_eigenvalues", "rank"};
   if (!options.regions.empty()) names.emplace_back("region");
+  if (options.time.is_on) names.emplace_back("velocity");
   return names;
 }
 
 PetscErrorCode check_outputs(MPI_Comm comm, const SceneOptions &options) {
   const std::string &path = options.output_file;
   PetscFunctionBeginUser;
+  PetscCall(check_motion_fields(comm, options));
   if (!path.empty()) PetscCall(check_writable(comm, path));
   if (!options.contact.iterates.empty()) {
     PetscCall(check_writable(comm, options.contact.iterates));
@@ -144,6 +176,7 @@ PetscErrorCode FieldOutput::make_fields(std::vector<Field> *fields) const {
   }
   PetscCall(add_tensor_fields(scene_, names, u, fields));
   PetscCall(scene_.discretization.restore_local(&local, &u));
+  if (scene_.motion) add_motion_fields(mesh, scene_.motion->state(), names, fields);
   const bool counts = has(names, "negative_eigenvalues");
   if (counts || has(names, "determinant_F") || has(names, "energy_density")) {
     PetscCall(scene_.functional->describe_cells(scene_.displacement, &report, counts));

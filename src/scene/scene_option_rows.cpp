@@ -182,6 +182,8 @@ std::vector<OptionRow> time_rows(TimeOptions &time) {
       {"time_velocity_tolerance", &time.velocity_tolerance,
        "A step ends where the direction over its length is less; 0: off",
        "the box's diagonal per time"},
+      {"time_velocity_tolerance_absolute", &time.absolute_velocity_tolerance,
+       "Instead: the same in units of the mesh; 0: off", "length per time"},
       {"time_mass",
        &time.mass,
        "Of linear cells: row sums are lumped",

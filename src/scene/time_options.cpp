@@ -34,6 +34,23 @@ PetscErrorCode check_scheme(MPI_Comm comm, const TimeOptions &options) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// One of the two, with either unit.
+PetscErrorCode check_velocity_tolerance(MPI_Comm comm, const TimeOptions &options) {
+  PetscBool is_relative = PETSC_FALSE;
+  PetscFunctionBeginUser;
+  PetscCall(PetscOptionsHasName(nullptr, nullptr, "-time_velocity_tolerance", &is_relative));
+  const auto &absolute = options.absolute_velocity_tolerance;
+  PetscCheck(!is_relative || !absolute, comm, PETSC_ERR_USER_INPUT,
+             "-time_velocity_tolerance, in box diagonals per time, and "
+             "-time_velocity_tolerance_absolute, in length per time, are two units of one "
+             "tolerance: leave out one or the other");
+  PetscCheck(options.velocity_tolerance >= 0, comm, PETSC_ERR_USER_INPUT,
+             "-time_velocity_tolerance is %g and must not be negative", options.velocity_tolerance);
+  PetscCheck(absolute.value_or(0) >= 0, comm, PETSC_ERR_USER_INPUT,
+             "-time_velocity_tolerance_absolute is %g and must not be negative", *absolute);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 }  // namespace
 
 IntegratorOptions TimeOptions::scheme() const {
@@ -58,8 +75,7 @@ PetscErrorCode check_time(MPI_Comm comm, const TimeOptions &options) {
              PETSC_ERR_USER_INPUT,
              "-time_step_min is %g; it must lie above 0 and not above -time_step, %g",
              options.shortest_step(), *options.step);
-  PetscCheck(options.velocity_tolerance >= 0, comm, PETSC_ERR_USER_INPUT,
-             "-time_velocity_tolerance is %g and must not be negative", options.velocity_tolerance);
+  PetscCall(check_velocity_tolerance(comm, options));
   PetscCheck(options.damping_mass >= 0 && options.damping_stiffness >= 0, comm,
              PETSC_ERR_USER_INPUT,
              "-time_damping_mass (%g) and -time_damping_stiffness (%g) must not be negative",

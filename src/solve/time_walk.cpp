@@ -21,6 +21,7 @@ class TimeWalk {
         outcome_(outcome),
         comm_(PetscObjectComm(reinterpret_cast<PetscObject>(scene.mesh.dm))),
         options_(scene.options.time),
+        tolerated_velocity_(options_.tolerated_velocity(box_of(scene.mesh).diagonal())),
         steps_(*options_.end, *options_.step, options_.shortest_step()),
         solver_(scene),
         contact_(scene) {}
@@ -29,6 +30,7 @@ class TimeWalk {
 
  private:
   PetscErrorCode start();
+  PetscErrorCode say_tolerance() const;
   PetscErrorCode set_tolerance(double length);
   PetscErrorCode say_step() const;
   PetscErrorCode take_step(Attempt *attempt);
@@ -39,6 +41,7 @@ class TimeWalk {
   SolveOutcome *outcome_;
   MPI_Comm comm_;
   const TimeOptions &options_;
+  double tolerated_velocity_;
   TimeSteps steps_;
   SceneSolver solver_;
   ContactPath contact_;
@@ -61,20 +64,33 @@ PetscErrorCode TimeWalk::start() {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode TimeWalk::say_tolerance() const {
+  const bool is_absolute = options_.absolute_velocity_tolerance.has_value();
+  std::ostringstream text;
+  PetscFunctionBeginUser;
+  if (tolerated_velocity_ > 0) {
+    text << "a step in time ends where the direction over its length is below "
+         << tolerated_velocity_;
+    if (is_absolute) {
+      text << " (-time_velocity_tolerance_absolute, in length per time)";
+    } else {
+      text << " (-time_velocity_tolerance, " << options_.velocity_tolerance
+           << " of the box's diagonal per time)";
+    }
+  } else {
+    text << "a step in time ends by its energy alone: the velocity tolerance is 0";
+  }
+  PetscCall(PetscPrintf(comm_, "%s\n", text.str().c_str()));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /// The velocity tolerance is one on directions, for a step of this length.
 PetscErrorCode TimeWalk::set_tolerance(double length) {
-  const double velocity = options_.velocity_tolerance * box_of(scene_.mesh).diagonal();
   PetscFunctionBeginUser;
   if (length == tolerated_length_) PetscFunctionReturn(PETSC_SUCCESS);
-  if (tolerated_length_ == 0 && velocity > 0) {
-    std::ostringstream text;
-    text << "a step in time ends where the direction over its length is below " << velocity
-         << " (-time_velocity_tolerance, " << options_.velocity_tolerance
-         << " of the box's diagonal per time)";
-    PetscCall(PetscPrintf(comm_, "%s\n", text.str().c_str()));
-  }
+  if (tolerated_length_ == 0) PetscCall(say_tolerance());
   tolerated_length_ = length;
-  PetscCall(solver_.set_direction_tolerance(velocity * length));
+  PetscCall(solver_.set_direction_tolerance(tolerated_velocity_ * length));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -146,6 +146,16 @@ PetscErrorCode write_text_file(MPI_Comm comm, const std::string &path, const std
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode append_text_file(MPI_Comm comm, const std::string &path, const std::string &text) {
+  PetscMPIInt rank = 0;
+  std::string problem;
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Comm_rank(comm, &rank));
+  if (rank == 0) problem = write_and_close(std::fopen(path.c_str(), "a"), text);
+  PetscCall(agree(comm, path, problem));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode check_text_file(MPI_Comm comm, const std::string &path) {
   PetscMPIInt rank = 0;
   PetscFunctionBeginUser;

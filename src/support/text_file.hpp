@@ -26,6 +26,9 @@ std::string find_no_room(const std::string &file, PetscInt64 bytes);
 /// Writes text beside `path` and renames: there is never half a file. Devices and pipes are written
 /// to, links followed. On the first rank; collective, an error is one on all ranks.
 PetscErrorCode write_text_file(MPI_Comm comm, const std::string &path, const std::string &text);
+/// Writes text behind what is there, in one piece as far as the system does so. On the first rank;
+/// collective, an error is one on all ranks.
+PetscErrorCode append_text_file(MPI_Comm comm, const std::string &path, const std::string &text);
 /// Whether `path` can be written; leaves nothing behind. Collective.
 PetscErrorCode check_text_file(MPI_Comm comm, const std::string &path);
 

@@ -227,6 +227,33 @@ class Steps(unittest.TestCase):
         times = [float(part.split('"')[0]) for part in text.split('<Time Value="')[1:]]
         self.assertEqual([round(t, 12) for t in times], [0, 0.3, 0.5])
 
+    def test_the_velocity_tolerance_has_two_units(self):
+        """Box diagonals per time, or the mesh's length per time: the same where they say the same, and
+        one line says which, and how much."""
+        def iterations(*tolerance):
+            scene = [*BOX, "-snes_trefoil_energy_tolerance", "1e-26", *HELD, "-initial_velocity", "0, 0, 3*x"]
+            record = record_of([*scene, *timed(0.1, 0.02), *SOFT, *tolerance])
+            self.assertEqual(record["status"], 0, record["printed"])
+            said = [line for line in record["printed"].splitlines() if "a step in time ends" in line]
+            self.assertEqual(len(said), 1)
+            return record["result"]["time_step_iterations"], said[0]
+
+        diagonal = math.sqrt(3)
+        default, said = iterations()
+        self.assertIn(f"is below {1e-3 * diagonal:.6g} (-time_velocity_tolerance, 0.001 of the box's "
+                      "diagonal per time)", said)
+        same, said = iterations("-time_velocity_tolerance_absolute", repr(1e-3 * diagonal))
+        self.assertIn(f"is below {1e-3 * diagonal:.6g} (-time_velocity_tolerance_absolute, in length "
+                      "per time)", said)
+        self.assertEqual(default, same)
+        loose, said = iterations("-time_velocity_tolerance_absolute", "10")
+        self.assertIn("is below 10 (", said)
+        self.assertEqual(loose, iterations("-time_velocity_tolerance", repr(10 / diagonal))[0])
+        self.assertLess(sum(loose), sum(default))
+        off, said = iterations("-time_velocity_tolerance_absolute", "0")
+        self.assertIn("by its energy alone", said)
+        self.assertGreater(sum(off), sum(default))
+
     def test_one_solver_for_all_steps(self):
         record = record_of([*BOX, *SOFT, *HELD, *GRAVITY, *timed(0.2, 0.02)])
         steps = record["result"]["time_step_iterations"]
@@ -271,7 +298,14 @@ class Refused(unittest.TestCase):
                 ("-output_every is 0", [*BOX, *timed(1, 0.1), "-output_every", "0"]),
                 ("-output_every is for steps", [*BOX, *HELD, "-output_every", "2"]),
                 ("-time_velocity_tolerance is -1",
-                 [*BOX, *timed(1, 0.1, "-time_velocity_tolerance", "-1")])):
+                 [*BOX, *timed(1, 0.1, "-time_velocity_tolerance", "-1")]),
+                ("-time_velocity_tolerance_absolute is -1",
+                 [*BOX, *timed(1, 0.1, "-time_velocity_tolerance_absolute", "-1")]),
+                ("-time_velocity_tolerance_absolute is '1 m/s', which is not a number",
+                 [*BOX, *timed(1, 0.1, "-time_velocity_tolerance_absolute", "1 m/s")]),
+                ("two units of one tolerance: leave out one or the other",
+                 [*BOX, *timed(1, 0.1, "-time_velocity_tolerance_absolute", "1",
+                               "-time_velocity_tolerance", "1e-3")])):
             with self.subTest(sentence):
                 self.check(sentence, options)
 

@@ -1,0 +1,210 @@
+#!/usr/bin/python3
+"""Output of scenes in time: velocities and accelerations against closed forms, and what is left of a
+run that is killed."""
+import csv
+import glob
+import os
+import random
+import signal
+import subprocess
+import tempfile
+import time
+import unittest
+import xml.etree.ElementTree as ElementTree
+
+try:
+    import h5py
+    import meshio
+    import numpy as np
+except ImportError:
+    meshio = None
+
+from trefoil_program import PROGRAM, environment, run
+
+TIGHT = ["-snes_trefoil_energy_tolerance", "1e-26", "-time_velocity_tolerance", "1e-13",
+         "-snes_trefoil_monitor", "false", "-snes_max_it", "30"]
+BOX = ["-mesh_generate", "box", "-mesh_resolution", "2", "-material_density", "1e3"]
+GRAVITY = -9.81
+
+
+def read_series(path):
+    """Rest positions, and for each state its time and the fields of its vertices."""
+    with meshio.xdmf.TimeSeriesReader(path) as reader:
+        points, _ = reader.read_points_cells()
+        states = []
+        for k in range(reader.num_steps):
+            t, fields, _ = reader.read_data(k)
+            states.append((t, fields))
+    return points, states
+
+
+@unittest.skipUnless(meshio, "needs python3-meshio, python3-h5py")
+class Velocity(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+
+    def series(self, options, ranks=1):
+        result = run([*BOX, *TIGHT, *options, "-output_file", "a.xdmf"], ranks, self.folder.name)
+        self.assertEqual(result.returncode, 0, result.stdout)
+        return read_series(os.path.join(self.folder.name, "a.xdmf"))
+
+    def test_free_fall(self):
+        """From rest every scheme has v = g t and a = g, in each state; after one of bdf2's steps by
+        backward Euler too."""
+        for integrator in ("backward_euler", "bdf2", "newmark"):
+            for more, ranks in (([], 2), (["-order", "2"], 1), (["-mesh_generate", "square"], 1)):
+                pull = np.array([0, GRAVITY, 0] if "square" in more else [0, 0, GRAVITY])
+                _, states = self.series(
+                    ["-load_gravity", ", ".join(map(str, pull[:2 if "square" in more else 3])),
+                     "-time_end", "0.3", "-time_step", "0.1", "-time_integrator", integrator,
+                     "-output_fields", "velocity,acceleration", *more], ranks)
+                self.assertEqual(len(states), 4)
+                for t, fields in states:
+                    self.assertEqual(set(fields), {"velocity", "acceleration"} | (
+                        {"original_vertex"} if "-order" in more else set()))
+                    self.assertLess(abs(fields["velocity"] - t * pull).max(), 1e-11)
+                    self.assertLess(abs(fields["acceleration"] - pull).max(), 1e-9)
+
+    def test_rotation(self):
+        """A stiff body that turns: omega x (x - c) where it is, whatever the scheme, to its order."""
+        omega, centre = np.array([0, 0, 2.0]), np.full(3, 0.5)
+        for integrator, size in (("backward_euler", 0.02), ("bdf2", 1e-3), ("newmark", 1e-3)):
+            points, states = self.series(
+                ["-material_young", "1e10", "-material_poisson", "0.3", "-initial_velocity",
+                 "-2*(y - 0.5), 2*(x - 0.5), 0", "-time_end", "0.1", "-time_step", "0.005",
+                 "-time_integrator", integrator])
+            exact = np.cross(omega, points - centre)
+            self.assertLess(abs(states[0][1]["velocity"] - exact).max(), 1e-14)
+            self.assertNotIn("acceleration", states[0][1])  # by default
+            t, fields = states[-1]
+            self.assertAlmostEqual(t, 0.1)
+            exact = np.cross(omega, points + fields["displacement"] - centre)
+            self.assertLess(abs(fields["velocity"] - exact).max(), size * abs(exact).max())
+
+    def test_what_is_held_has_the_velocity_of_its_motion(self):
+        points, states = self.series(
+            ["-constraints", "wall", "-constraint_wall_where", "x == xmin", "-constraint_wall_move",
+             "0.5*t*t, 0, 0", "-material_young", "1e5", "-time_end", "0.3", "-time_step", "0.1",
+             "-output_fields", "velocity,acceleration"])
+        wall = points[:, 0] == points[:, 0].min()
+        for t, fields in states:
+            self.assertLess(abs(fields["velocity"][wall] - [t, 0, 0]).max(), 1e-12)
+            self.assertLess(abs(fields["acceleration"][wall] - [1, 0, 0]).max(), 1e-11)
+
+    def test_vtu_has_it_too(self):
+        run([*BOX, *TIGHT, "-load_gravity", f"0, 0, {GRAVITY}", "-time_end", "0.2", "-time_step", "0.1",
+             "-output_file", "a.vtu"], folder=self.folder.name)
+        for k in range(3):
+            mesh = meshio.read(os.path.join(self.folder.name, f"a_{k:04d}.vtu"))
+            exact = np.array([0, 0, 0.1 * k * GRAVITY])
+            self.assertLess(abs(mesh.point_data["velocity"] - exact).max(), 1e-11)
+
+    def test_not_without_time(self):
+        for name in ("velocity", "acceleration"):
+            result = run([*BOX, "-constraints", "a", "-constraint_a_where", "x == xmin",
+                          "-output_fields", f"displacement,{name}", "-output_file", "a.xdmf"],
+                         folder=self.folder.name)
+            self.assertEqual(result.returncode, 1, result.stdout)
+            self.assertIn(f"-output_fields names the {name}, which only a scene in time has",
+                          result.stdout)
+            self.assertEqual(os.listdir(self.folder.name), [])
+
+
+def children_of(pid):
+    with open(f"/proc/{pid}/task/{pid}/children", encoding="ascii") as file:
+        return [int(word) for word in file.read().split()]
+
+
+@unittest.skipUnless(meshio, "needs python3-meshio, python3-h5py")
+class Killed(unittest.TestCase):
+    """kill -9 in the midst of a run: all states but perhaps the last can be read."""
+
+    SCENE = [*BOX, "-material_young", "1e5", "-load_gravity", f"0, 0, {GRAVITY}", "-constraints",
+             "wall", "-constraint_wall_where", "x == xmin", "-snes_trefoil_monitor", "false",
+             "-time_end", "1000", "-time_step", "0.01", "-output_csv", "a.csv"]
+
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+
+    def path(self, name):
+        return os.path.join(self.folder.name, name)
+
+    def kill_in_step(self, step, output, ranks):
+        """@return how many steps stood when the run was killed, somewhere in a step from this one on"""
+        command = [PROGRAM, *self.SCENE, "-output_file", output]
+        if ranks > 1:
+            command = ["mpirun", "-n", str(ranks), *command]
+        began = 0
+        with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                              cwd=self.folder.name, env=environment()) as process:
+            for line in process.stdout:
+                if line.startswith("time step "):
+                    began = int(line.split()[2].rstrip(","))
+                if began >= step:
+                    break
+            time.sleep(random.uniform(0, 0.03))
+            for pid in [*(children_of(process.pid) if ranks > 1 else []), process.pid]:
+                os.kill(pid, signal.SIGKILL)
+            for line in process.stdout:
+                if line.startswith("time step "):
+                    began = int(line.split()[2].rstrip(","))
+        self.assertGreaterEqual(began, step)
+        return began - 1
+
+    def check_table(self, steps):
+        with open(self.path("a.csv"), encoding="utf-8") as file:
+            text = file.read()
+        rows = list(csv.DictReader(text[:text.rindex("\n") + 1].splitlines()))
+        self.assertGreaterEqual(len(rows), steps)
+        for k, row in enumerate(rows):
+            self.assertAlmostEqual(float(row["t"]), 0.01 * k, delta=1e-12)
+            self.assertNotIn(None, row.values())
+
+    def test_xdmf(self):
+        random.seed(17)
+        for ranks in (1, 2):
+            for step in (1, 2, 3, 7, 12):
+                steps = self.kill_in_step(step, "a.xdmf", ranks)
+                with self.subTest(ranks=ranks, steps=steps):
+                    points, states = read_series(self.path("a.xdmf"))
+                    self.assertEqual(points.shape, (27, 3))
+                    self.assertGreaterEqual(len(states), steps + 1)  # and the start
+                    for k, (t, fields) in enumerate(states):
+                        self.assertAlmostEqual(t, 0.01 * k, delta=1e-12)
+                        for name in ("displacement", "velocity"):
+                            self.assertTrue(np.isfinite(fields[name]).all())
+                            self.assertEqual(fields[name].any(), k > 0)
+                    tree = ElementTree.parse(self.path("a.xdmf"))
+                    for item in tree.iter("DataItem"):
+                        file, dataset = item.text.split(":")
+                        with h5py.File(self.path(file), "r") as data:
+                            self.assertEqual(" ".join(map(str, data[dataset].shape)),
+                                             item.get("Dimensions"))
+                    self.check_table(steps)
+
+    def test_vtu(self):
+        random.seed(18)
+        for step in (1, 5):
+            steps = self.kill_in_step(step, "a.vtu", 1)
+            tree = ElementTree.parse(self.path("a.pvd"))
+            files = [entry.get("file") for entry in tree.iter("DataSet")]
+            self.assertGreaterEqual(len(files), steps + 1)
+            for file in [*files, "a.vtu"]:
+                self.assertEqual(meshio.read(self.path(file)).point_data["velocity"].shape, (27, 3))
+
+    def test_a_run_goes_over_what_a_killed_one_left(self):
+        """Neither old states nor old rows stay in what is read."""
+        self.kill_in_step(4, "a.xdmf", 1)
+        self.assertTrue(glob.glob(self.path("a_*.h5")))
+        shorter = [*self.SCENE, "-time_end", "0.02", "-output_file", "a.xdmf"]
+        result = run(shorter, folder=self.folder.name)
+        self.assertEqual(result.returncode, 0, result.stdout)
+        self.assertEqual([round(t, 9) for t, _ in read_series(self.path("a.xdmf"))[1]], [0, 0.01, 0.02])
+        with open(self.path("a.csv"), encoding="utf-8") as file:
+            self.assertEqual(len(list(csv.DictReader(file))), 3)
+
+
+if __name__ == "__main__":
+    unittest.main()
