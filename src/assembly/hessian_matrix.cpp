@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "assembly/discretization.hpp"
+#include "assembly/near_null_space.hpp"
 #include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
@@ -179,14 +180,12 @@ PetscErrorCode Discretization::attach_rigid_body_modes(Mat matrix) const {
   const Mesh &mesh = *mesh_;
   Vec local = nullptr;
   std::vector<Vec> modes;
-  MatNullSpace space = nullptr;
   std::array<double, 3> centre{};
   PetscFunctionBeginUser;
   for (std::size_t i = 0; i < 3; ++i) centre[i] = 0.5 * (mesh.box_min[i] + mesh.box_max[i]);
   PetscCall(DMGetLocalVector(mesh.dm, &local));
   for (int m = 0; m < 6; ++m) {
     PetscScalar *value = nullptr;
-    PetscReal before = 0, after = 0;
     Vec mode = nullptr;
     PetscCall(VecGetArrayWrite(local, &value));
     for (std::size_t v = 0; v < mesh.owned.size(); ++v) {
@@ -199,26 +198,10 @@ PetscErrorCode Discretization::attach_rigid_body_modes(Mat matrix) const {
     PetscCall(VecRestoreArrayWrite(local, &value));
     PetscCall(create_vector(&mode));
     PetscCall(DMLocalToGlobal(mesh.dm, local, INSERT_VALUES, mode));
-    PetscCall(VecNorm(mode, NORM_2, &before));
-    for (Vec other : modes) {
-      PetscScalar overlap = 0;
-      PetscCall(VecDot(mode, other, &overlap));
-      PetscCall(VecAXPY(mode, -overlap, other));
-    }
-    PetscCall(VecNormalize(mode, &after));
-    // Free vertices on one line, say, know fewer than six modes.
-    if (after > 1e-8 * before) {
-      modes.push_back(mode);
-    } else {
-      PetscCall(VecDestroy(&mode));
-    }
+    modes.push_back(mode);
   }
   PetscCall(DMRestoreLocalVector(mesh.dm, &local));
-  PetscCall(MatNullSpaceCreate(PetscObjectComm(reinterpret_cast<PetscObject>(matrix)), PETSC_FALSE,
-                               static_cast<PetscInt>(modes.size()), modes.data(), &space));
-  PetscCall(MatSetNearNullSpace(matrix, space));
-  PetscCall(MatNullSpaceDestroy(&space));
-  for (Vec &mode : modes) PetscCall(VecDestroy(&mode));
+  PetscCall(attach_near_null_space(matrix, &modes));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -68,12 +68,18 @@ PetscErrorCode Discretization::turn_matrix(Mat matrix, bool has_diagonal) const 
   Mat turned = nullptr;
   Vec diagonal = nullptr;
   PetscReal size = 0;
+  MatNullSpace modes = nullptr;
   PetscFunctionBeginUser;
   if (!any_turned_) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(make_rotation(matrix));
+  // MatCopy() between different patterns loses them.
+  PetscCall(MatGetNearNullSpace(matrix, &modes));
+  PetscCall(PetscObjectReference(reinterpret_cast<PetscObject>(modes)));
   PetscCall(MatPtAP(matrix, rotation_, MAT_INITIAL_MATRIX, PETSC_DEFAULT, &turned));
   PetscCall(MatCopy(turned, matrix, DIFFERENT_NONZERO_PATTERN));
   PetscCall(MatDestroy(&turned));
+  PetscCall(MatSetNearNullSpace(matrix, modes));
+  PetscCall(MatNullSpaceDestroy(&modes));
   if (has_diagonal) {
     PetscCall(MatCreateVecs(matrix, &diagonal, nullptr));
     PetscCall(MatGetDiagonal(matrix, diagonal));

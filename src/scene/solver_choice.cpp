@@ -53,7 +53,7 @@ double iterative_seconds(const SolverTask &task) {
   // A set-up and thirty iterations of a cell, mostly in bandwidth that ranks share; quadratic cells
   // have sixteen times the entries of linear ones, and a set-up that is mostly the products of the
   // coarse level.
-  const double seconds_a_cell = task.order == 1 ? 7.6e-6 : 60e-6;
+  const double seconds_a_cell = task.order == 1 ? 7.6e-6 : 45e-6;
   const double ranks = task.ranks == 1 ? 1 : 0.8 * task.ranks;
   return seconds_a_cell * static_cast<double>(task.cells) / ranks;
 }

@@ -18,6 +18,24 @@ PetscErrorCode get_types(SNES snes, KSP *ksp, PC *pc, std::string *krylov, std::
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// What a preconditioner is called; of p-multigrid also what solves for the linear elements.
+PetscErrorCode name_of(PC pc, const std::string &kind, std::string *name) {
+  PetscInt levels = 0;
+  PetscFunctionBeginUser;
+  *name = kind == PCCHOLESKY ? "Cholesky" : kind == PCLU ? "LU" : kind;
+  if (kind == PCMG) PetscCall(PCMGGetLevels(pc, &levels));
+  if (levels == 2) {
+    KSP coarse = nullptr;
+    PC below = nullptr;
+    PCType type = nullptr;
+    PetscCall(PCMGGetCoarseSolve(pc, &coarse));
+    PetscCall(KSPGetPC(coarse, &below));
+    PetscCall(PCGetType(below, &type));
+    *name = std::string("p-multigrid over ") + type;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /// Bytes of the factor after its analysis; 0 where the package does not tell.
 PetscErrorCode bytes_of_factor(Mat factor, const std::string &package, double *bytes) {
   PetscFunctionBeginUser;
@@ -65,11 +83,11 @@ PetscErrorCode analyse(Mat matrix, const std::string &package, MatFactorType typ
 PetscErrorCode describe_linear_solver(SNES snes, LinearSolver *solver) {
   KSP ksp = nullptr;
   PC pc = nullptr;
-  std::string krylov, kind;
+  std::string krylov, kind, method;
   PetscFunctionBeginUser;
   PetscCall(get_types(snes, &ksp, &pc, &krylov, &kind));
   const bool direct = krylov == KSPPREONLY;
-  const std::string method = kind == PCCHOLESKY ? "Cholesky" : kind == PCLU ? "LU" : kind;
+  PetscCall(name_of(pc, kind, &method));
   solver->text = direct ? method : krylov + " with " + method;
   if (kind == PCCHOLESKY || kind == PCLU) {
     MatSolverType package = nullptr;

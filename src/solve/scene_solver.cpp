@@ -130,7 +130,7 @@ PetscErrorCode SceneSolver::set_up(const SolveOutcome &outcome, double head_star
   PetscCall(check_solver(snes_));
   PetscCall(TrefoilSNESSetFromOptions(snes_));     // also where another type does not read them
   PetscCall(TrefoilSNESSetRecordFile(snes_, ""));  // the program writes it, completed
-  PetscCall(set_linear_solver(scene_.linear_solver, snes_));
+  PetscCall(set_linear_solver(scene_, snes_));
   if (outcome.linear_solver.empty()) PetscCall(say_linear_solver(scene_, snes_));
   PetscCall(SNESMonitorSet(snes_, refuse_unused_once, nullptr, nullptr));
   PetscFunctionReturn(PETSC_SUCCESS);

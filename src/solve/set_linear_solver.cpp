@@ -6,6 +6,7 @@
 #include <array>
 
 #include "scene/scene.hpp"
+#include "solve/multigrid.hpp"
 #include "support/free_memory.hpp"
 #include "support/petsc_compatibility.hpp"
 #include "trefoil.h"
@@ -69,15 +70,22 @@ PetscErrorCode set_direct(SNES snes, KSP ksp, PC pc) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode set_iterative(KSP ksp, PC pc) {
-  PetscReal threshold = 0.02;
+/// Whether the scene has linear elements under its own, with a matrix of the cells' pattern.
+bool has_two_orders(const Scene &scene) {
+  return is_quadratic(*scene.mesh.shape) && !scene.spreading;
+}
+
+PetscErrorCode set_iterative(const Scene &scene, KSP ksp, PC pc) {
+  std::string users;
   PetscFunctionBeginUser;
+  PetscCall(preconditioner_of_user(&users));
   PetscCall(KSPSetType(ksp, KSPCG));
   PetscCall(KSPSetTolerances(ksp, 1e-1, PETSC_DEFAULT, PETSC_DEFAULT, 1000));
-  PetscCall(PCSetType(pc, PCGAMG));
-  PetscCall(PCGAMGSetThreshold(pc, &threshold, 1));
-  PetscCall(PCGAMGSetReuseInterpolation(pc, PETSC_TRUE));
-  PetscCall(PCGAMGSetUseSAEstEig(pc, PETSC_FALSE));
+  if (has_two_orders(scene) && users != PCGAMG) {
+    PetscCall(set_p_multigrid(scene.discretization, scene.hessian, pc));
+  } else {
+    PetscCall(set_aggregation(pc));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -106,7 +114,7 @@ PetscErrorCode describe_task(const Scene &scene, SolverTask *task) {
   PetscCallMPI(MPI_Comm_size(comm, &ranks));
   task->cells = mesh.total_cells;
   task->cell = mesh.dimension() == 3 ? "tetrahedra" : "triangles";
-  task->order = mesh.total_vertices > mesh.total_corners ? 2 : 1;
+  task->order = mesh.shape->order;
   task->poisson = largest_poisson(scene.options);
   task->ranks = ranks;
   PetscCall(estimate_factor(scene.discretization, &task->factor));
@@ -126,7 +134,8 @@ PetscErrorCode choose_linear_solver(const Scene &scene, SolverChoice *choice) {
   PetscFunctionBeginUser;
   PetscCall(preconditioner_of_user(&users));
   if (!users.empty()) {
-    choice->kind = users == PCGAMG ? SolverKind::iterative : SolverKind::users;
+    const bool ours = users == PCGAMG || (users == PCMG && has_two_orders(scene));
+    choice->kind = ours ? SolverKind::iterative : SolverKind::users;
     choice->reason = "as -pc_type says";
     PetscFunctionReturn(PETSC_SUCCESS);
   }
@@ -148,18 +157,18 @@ PetscErrorCode set_defaults_of_linear_solver(const SolverChoice &choice, SNES sn
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode set_linear_solver(const SolverChoice &choice, SNES snes) {
+PetscErrorCode set_linear_solver(const Scene &scene, SNES snes) {
   KSP ksp = nullptr;
   PC pc = nullptr;
   PetscFunctionBeginUser;
   PetscCall(SNESGetKSP(snes, &ksp));
   PetscCall(KSPGetPC(ksp, &pc));
-  switch (choice.kind) {
+  switch (scene.linear_solver.kind) {
     case SolverKind::direct:
       PetscCall(set_direct(snes, ksp, pc));
       break;
     case SolverKind::iterative:
-      PetscCall(set_iterative(ksp, pc));
+      PetscCall(set_iterative(scene, ksp, pc));
       break;
     case SolverKind::users:
       PetscCall(set_users(ksp));

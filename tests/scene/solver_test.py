@@ -99,6 +99,60 @@ class AccuracyTest(unittest.TestCase):
         self.assertLessEqual(record["result"]["verification_solves"], 60)
 
 
+class QuadraticTest(unittest.TestCase):
+    """p-multigrid: linear elements under quadratic ones."""
+
+    def both(self, options, ranks=1):
+        """Records of p-multigrid and of factors, which must end at the same energy."""
+        records = [record_of([*options, "-order", "2", "-solver", kind], ranks)
+                   for kind in ("iterative", "direct")]
+        for record in records:
+            self.assertEqual(record["status"], 0, record["printed"])
+        multigrid, direct = records
+        self.assertIn("cg with p-multigrid over", linear(multigrid))
+        above = multigrid["result"]["energy"] - direct["result"]["energy"]
+        self.assertLess(above / direct["result"]["energy_scale"], 1e-8)
+        return records
+
+    def test_conjugate_gradients_take_as_many_iterations_on_finer_meshes(self):
+        for poisson, most in ("0.3", 20), ("0.45", 25), ("0.495", 60):
+            iterations = []
+            for resolution in 3, 4, 6:
+                record = self.both(box(resolution, "-material_poisson", poisson))[0]
+                iterations.append(sum(entry["linear_iterations"] for entry in record["history"]))
+            self.assertLess(max(iterations), most)
+            self.assertLess(max(iterations), 1.3 * min(iterations))
+
+    def test_aggregation_alone_takes_more_of_them(self):
+        ours, plain = (record_of(box(6, "-order", "2", "-material_poisson", "0.495", "-solver",
+                                     "iterative", *options))
+                       for options in ([], ["-pc_type", "gamg"]))
+        self.assertIn("cg with gamg", linear(plain))
+        self.assertLess(2 * sum(entry["linear_iterations"] for entry in ours["history"]),
+                        sum(entry["linear_iterations"] for entry in plain["history"]))
+
+    def test_ranks_components_slides_and_load_steps(self):
+        by_component = ["-constraint_held_move", "0, free, free"]
+        oblique = ["-constraint_held_slide", "1, 0.2, 0"]
+        for ranks in 1, 2, 3:
+            for options in ([], by_component, oblique, ["-load_steps", "2"]):
+                with self.subTest(ranks=ranks, options=options):
+                    self.both(box(3, "-material_poisson", "0.45", *options), ranks)
+        self.both(["-mesh_generate", "square", "-mesh_resolution", "8", *BOX[2:-1], "0.5, 0.3*y"])
+
+    def test_it_is_chosen_by_size_and_takes_petscs_options(self):
+        start = ["-order", "2", "-snes_max_it", "0", "-initial", "rest"]
+        self.assertIn("cg with p-multigrid over cholesky", linear(record_of(box(10, *start))))
+        self.assertIn("Cholesky by", linear(record_of(box(3, *start))))
+        self.assertIn("cg with p-multigrid over gamg",
+                      linear(record_of(box(3, "-order", "2", "-pc_type", "mg",
+                                           "-mg_coarse_pc_type", "gamg",
+                                           "-mg_levels_ksp_max_it", "2"))))
+        refused = run(box(3, "-order", "2", "-solver", "iterative", "-mg_coarse_pc_typ", "gamg"))
+        self.assertEqual(refused.returncode, 1)
+        self.assertIn("mg_coarse_pc_typ", refused.stdout)
+
+
 class MemoryTest(unittest.TestCase):
     def check(self, result):
         self.assertEqual(result.returncode, 3, result.stdout)
