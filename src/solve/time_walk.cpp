@@ -1,5 +1,6 @@
 #include "solve/time_walk.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 
@@ -13,6 +14,15 @@
 namespace trefoil {
 namespace {
 
+/// The velocity below which a step's directions need not go on. Friction holds by slips of less
+/// than its slip velocity: the solver must resolve those, or it ends at rest where bodies slide.
+double tolerated_velocity(const Scene &scene) {
+  constexpr double share_of_slip = 0.03;
+  const double asked = scene.options.time.tolerated_velocity(box_of(scene.mesh).diagonal());
+  if (!scene.contact || !scene.contact->has_friction()) return asked;
+  return std::min(asked, share_of_slip * scene.contact->parameters().slip_velocity);
+}
+
 class TimeWalk {
  public:
   TimeWalk(Scene &scene, const StateObserver &observe, SolveOutcome *outcome)
@@ -21,7 +31,7 @@ class TimeWalk {
         outcome_(outcome),
         comm_(PetscObjectComm(reinterpret_cast<PetscObject>(scene.mesh.dm))),
         options_(scene.options.time),
-        tolerated_velocity_(options_.tolerated_velocity(box_of(scene.mesh).diagonal())),
+        tolerated_velocity_(tolerated_velocity(scene)),
         steps_(*options_.end, *options_.step, options_.shortest_step()),
         solver_(scene),
         contact_(scene) {}
@@ -66,12 +76,15 @@ PetscErrorCode TimeWalk::start() {
 
 PetscErrorCode TimeWalk::say_tolerance() const {
   const bool is_absolute = options_.absolute_velocity_tolerance.has_value();
+  const double asked = options_.tolerated_velocity(box_of(scene_.mesh).diagonal());
   std::ostringstream text;
   PetscFunctionBeginUser;
   if (tolerated_velocity_ > 0) {
     text << "a step in time ends where the direction over its length is below "
          << tolerated_velocity_;
-    if (is_absolute) {
+    if (tolerated_velocity_ < asked) {
+      text << " (a share of -contact_slip_velocity, which friction needs)";
+    } else if (is_absolute) {
       text << " (-time_velocity_tolerance_absolute, in length per time)";
     } else {
       text << " (-time_velocity_tolerance, " << options_.velocity_tolerance

@@ -183,6 +183,47 @@ class InTime(ContactTest):
         self.assertAlmostEqual(last / a, 1, delta=0.02)
 
 
+class OnASlope(ContactTest):
+    """A stiff block settles on the level, which then becomes a slope of tan = 0.5: it holds by
+    creeping at less than the slip velocity, or slides. PolyFEM's block with mu = 0.5 and this slip
+    velocity has moved by 4.63e-4 after 2.5 s."""
+    SLIP, STEP, SETTLED, STEPS = 1e-5, 0.025, 10, 100
+    ALONG, DOWN = 9.81 / 5 ** 0.5, 9.81 * 2 / 5 ** 0.5
+
+    def slide(self, mu, share="t > 0.2625"):
+        """Places of a corner along the slope from the step on that makes it one."""
+        result = run([
+            "-mesh_generate", "box", "-mesh_resolution", "1", "-material_young", "1e9",
+            "-material_poisson", "0.3", "-material_density", "1e3",
+            "-load_gravity", f"{self.ALONG}*({share}), 0, -{self.DOWN}",
+            "-time_end", str(self.STEP * (self.SETTLED + self.STEPS)),
+            "-time_step", str(self.STEP), "-obstacles", "ramp", "-obstacle_ramp_plane", "0, 0, 1",
+            "-obstacle_ramp_at", "0, 0, -0.002", "-obstacle_ramp_friction", str(mu),
+            "-contact_slip_velocity", repr(self.SLIP / 3 ** 0.5),
+            "-probe_corner", "0, 0, 0", "-probes", "corner", "-output_file", "run.xdmf",
+            "-output_every", "10", "-snes_trefoil_record", "run.json"], folder=self.folder)
+        self.assertEqual(result.returncode, 0, result.stdout)
+        self.assertGreater(self.states("run.xdmf"), 10)
+        with open(self.path("run.json"), encoding="utf-8") as file:
+            steps = json.load(file)["steps"]
+        return [step["probes"]["corner"][0] for step in steps][self.SETTLED:]
+
+    def test_a_little_less_friction_than_the_slope_slides_as_a_rigid_block(self):
+        x = self.slide(0.49)
+        a = self.ALONG - 0.49 * self.DOWN
+        expected = a * self.STEP ** 2 * self.STEPS * (self.STEPS + 1) / 2  # backward Euler
+        self.assertAlmostEqual((x[-1] - x[0]) / expected, 1, delta=1e-3)
+
+    def test_a_little_more_creeps_as_the_mollifier_says(self):
+        x = self.slide(0.505)
+        self.assertAlmostEqual((x[-1] - x[-2]) / self.STEP / self.SLIP,
+                               1 - (1 - 0.5 / 0.505) ** 0.5, delta=0.01)
+
+    def test_as_much_holds(self):
+        x = self.slide(0.5, "min(1, max(0, 2*t - 0.525))")
+        self.assertLess(abs(x[-1] - x[0]), 4.63e-4)
+
+
 class Refused(ContactTest):
     def test_what_meets_at_rest(self):
         boxes_file(self.path("boxes.mesh"), -0.05)
