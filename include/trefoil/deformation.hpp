@@ -5,6 +5,19 @@
 
 namespace trefoil {
 
+/// What an isotropic energy may depend on, each zero at rest and with all its digits at small
+/// strains, see Deformation.
+template <class Real>
+struct Invariants {
+  Real distortion;        ///< (I1 - 3) - 2 (J - 1), I1 = F:F
+  Real second_of_strain;  ///< tr cof E of Green's strain; I2 - 3 is 2 (I1 - 3) + 4 tr cof E
+  Real J_minus_1;         ///< J = det F
+
+  [[nodiscard]] Real I1_minus_3() const { return distortion + 2.0 * J_minus_1; }
+  /// (I2 - 3) - 4 (J - 1), I2 = cof F : cof F.
+  [[nodiscard]] Real I2_distortion() const { return 2.0 * distortion + 4.0 * second_of_strain; }
+};
+
 /// How a body is deformed at a point, by the gradient H of its displacement: F = I + H.
 ///
 /// At small strains the digits are in H. Where the formula of an energy has a difference of numbers
@@ -84,8 +97,9 @@ class Deformation {
   }
   /// (I2 - 3) - 4 (J - 1), whose derivative is 4 (F - cof F) + 4 F (tr(E) I - E).
   /// I2 - 3 is 2 (I1 - 3) + 4 tr cof E.
-  [[nodiscard]] Real I2_distortion() const {
-    return 2.0 * I1_distortion() + 4.0 * strain_invariants().second;
+  [[nodiscard]] Real I2_distortion() const { return invariants().I2_distortion(); }
+  [[nodiscard]] Invariants<Real> invariants() const {
+    return {I1_distortion(), strain_invariants().second, J_minus_1()};
   }
   /// F - cof F.
   [[nodiscard]] Matrix3<Real> F_minus_cofactor() const {

@@ -67,6 +67,13 @@ concept Material = requires(const M &material, const Deformation<AnyPack> &F, Ta
   {material.tangent(F, A)};
 };
 
+/// An isotropic material may offer its energy as one of invariants as well. They are polynomials in
+/// a plane of deformations, where its energy then costs little.
+template <class M>
+concept HasEnergyOfInvariants = requires(const M &material, const Invariants<AnyPack> &invariants) {
+  { material.energy_of_invariants(invariants) } -> std::same_as<AnyPack>;
+};
+
 /// A material that scenes may ask for: it has a name, and makes itself of what the user says.
 template <class M>
 concept SceneMaterial = Material<M> && std::constructible_from<M, MaterialParameters> && requires {

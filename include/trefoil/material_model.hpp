@@ -23,6 +23,11 @@ class MaterialModel {
   void energy_densities(const double *H, double *psi) const {
     functions_.energy_density(material_.get(), H, psi);
   }
+  void energy_changes(const double *H, const double *D, const double *S,
+                      std::span<const PlanePoint> points, const double *weight,
+                      double *sums) const {
+    functions_.energy_changes(material_.get(), H, D, S, points, weight, sums);
+  }
   void stresses(const double *H, double *P) const { functions_.stress(material_.get(), H, P); }
   void tangents(const double *H, double *A) const { functions_.tangent(material_.get(), H, A); }
 

@@ -30,6 +30,21 @@ Matrix3<Real> cofactor(const Matrix3<Real> &F) {
   return C;
 }
 
+/// What cof(A + B) has beside cof A and cof B: linear in each.
+template <class Real>
+Matrix3<Real> mixed_cofactor(const Matrix3<Real> &A, const Matrix3<Real> &B) {
+  Matrix3<Real> C;
+  for (int i = 0; i < 3; ++i) {
+    const int i1 = (i + 1) % 3, i2 = (i + 2) % 3;
+    for (int j = 0; j < 3; ++j) {
+      const int j1 = (j + 1) % 3, j2 = (j + 2) % 3;
+      C(i, j) = (A(i1, j1) * B(i2, j2) + B(i1, j1) * A(i2, j2)) -
+                (A(i1, j2) * B(i2, j1) + B(i1, j2) * A(i2, j1));
+    }
+  }
+  return C;
+}
+
 template <class Real>
 Real determinant(const Matrix3<Real> &F) {
   return F(0, 0) * (F(1, 1) * F(2, 2) - F(1, 2) * F(2, 1)) +
@@ -46,12 +61,18 @@ Matrix3<Real> product(const Matrix3<Real> &A, const Matrix3<Real> &B) {
   return C;
 }
 
+/// A : B, the sum of the products of their entries.
+template <class Real>
+Real contraction(const Matrix3<Real> &A, const Matrix3<Real> &B) {
+  Real sum = A.entries[0] * B.entries[0];
+  for (std::size_t k = 1; k < 9; ++k) sum = sum + A.entries[k] * B.entries[k];
+  return sum;
+}
+
 /// F : F, the square of the Frobenius norm.
 template <class Real>
 Real squared_norm(const Matrix3<Real> &F) {
-  Real sum = F.entries[0] * F.entries[0];
-  for (std::size_t k = 1; k < 9; ++k) sum = sum + F.entries[k] * F.entries[k];
-  return sum;
+  return contraction(F, F);
 }
 
 /// A fourth-order tensor dP/dF as a 9x9 matrix: entry (3 i + j, 3 k + l) is dP_ij / dF_kl.

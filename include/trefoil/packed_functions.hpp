@@ -1,6 +1,9 @@
 #pragma once
 
+#include <span>
+
 #include "trefoil/material.hpp"
+#include "trefoil/plane_invariants.hpp"
 
 namespace trefoil {
 
@@ -9,6 +12,10 @@ namespace trefoil {
 /// one.
 struct PackedFunctions {
   void (*energy_density)(const void *material, const double *H, double *psi);
+  /// Adds weight (psi(H + a D + b S) - psi(H)) to sums at each of the points: `weight` one entry,
+  /// `sums` one a point.
+  void (*energy_changes)(const void *material, const double *H, const double *D, const double *S,
+                         std::span<const PlanePoint> points, const double *weight, double *sums);
   void (*stress)(const void *material, const double *H, double *P);
   void (*tangent)(const void *material, const double *H, double *A);
 };
@@ -37,6 +44,41 @@ template <InstructionSet isa, class M>
   static_cast<const M *>(material)->energy_density(load_deformation<isa>(H)).store(psi);
 }
 
+/// One energy after the other.
+template <InstructionSet isa, class M>
+[[gnu::flatten]] void sampled_energy_changes(const void *material, const double *H, const double *D,
+                                             const double *S, std::span<const PlanePoint> points,
+                                             const double *weight, double *sums) {
+  using Real = Pack<isa>;
+  const M &model = *static_cast<const M *>(material);
+  const auto start = load<isa, 9>(H), first = load<isa, 9>(D), second = load<isa, 9>(S);
+  const Real before = model.energy_density(Deformation<Real>({start})), w = Real::load(weight);
+  for (const PlanePoint &point : points) {
+    auto moved = start;
+    for (std::size_t k = 0; k < 9; ++k) moved[k] += point.a() * first[k] + point.b() * second[k];
+    const Real change = model.energy_density(Deformation<Real>({moved})) - before;
+    (Real::load(sums) + w * change).store(sums);
+    sums += lanes;
+  }
+}
+
+/// The same, where the energy is one of invariants: those are known in all of the plane at once.
+template <InstructionSet isa, class M>
+[[gnu::flatten]] void invariant_energy_changes(const void *material, const double *H,
+                                               const double *D, const double *S,
+                                               std::span<const PlanePoint> points,
+                                               const double *weight, double *sums) {
+  using Real = Pack<isa>;
+  const M &model = *static_cast<const M *>(material);
+  const PlaneInvariants<Real> plane(load_deformation<isa>(H), {load<isa, 9>(D)}, {load<isa, 9>(S)});
+  const Real before = model.energy_of_invariants(plane.start()), w = Real::load(weight);
+  for (const PlanePoint &point : points) {
+    const Real change = model.energy_of_invariants(plane.at(point)) - before;
+    (Real::load(sums) + w * change).store(sums);
+    sums += lanes;
+  }
+}
+
 template <InstructionSet isa, class M>
 [[gnu::flatten]] void stress(const void *material, const double *H, double *P) {
   store<isa>(static_cast<const M *>(material)->stress(load_deformation<isa>(H)).entries, P);
@@ -54,7 +96,10 @@ template <InstructionSet isa, class M>
 /// The functions of a material for an instruction set, compiled where this is instantiated.
 template <class M, InstructionSet isa>
 PackedFunctions make_packed_functions() {
-  return {packed::energy_density<isa, M>, packed::stress<isa, M>, packed::tangent<isa, M>};
+  auto *energy_changes = packed::sampled_energy_changes<isa, M>;
+  if constexpr (HasEnergyOfInvariants<M>) energy_changes = packed::invariant_energy_changes<isa, M>;
+  return {packed::energy_density<isa, M>, energy_changes, packed::stress<isa, M>,
+          packed::tangent<isa, M>};
 }
 
 }  // namespace trefoil

@@ -22,7 +22,7 @@ VolumetricLaw<Real> quadratic_law(double kappa, const Real &J_minus_1) {
 /// other's digits at small strains: a term linear in J belongs to W.
 ///
 /// M offers, for numbers and packs,
-/// - distortional_energy(deformation): W
+/// - distortional_energy(deformation): W; may take Invariants as well, see HasEnergyOfInvariants
 /// - stress_at_pressure(deformation, p): dW/dF + p cof F; p in place of U'(J), so positive in
 ///   tension [Simo, Taylor, Pister 1985]
 /// - add_tangent_at_pressure(deformation, p, A): its derivative at this p is added,
@@ -36,6 +36,17 @@ class SplitMaterial {
   Real energy_density(const Deformation<Real> &deformation) const {
     return derived().distortional_energy(deformation) +
            derived().volumetric_law(deformation.J_minus_1()).energy;
+  }
+
+  /// Where M has W of invariants.
+  template <class Real>
+  Real energy_of_invariants(const Invariants<Real> &invariants) const requires
+      requires(const M &material) {
+    material.distortional_energy(invariants);
+  }
+  {
+    return derived().distortional_energy(invariants) +
+           derived().volumetric_law(invariants.J_minus_1).energy;
   }
 
   /// P = dW/dF + U'(J) cof F.

@@ -127,33 +127,25 @@ struct Kernels {
                              const double *const *d, int samples, const double *coefficients,
                              double *changes) {
     Real U[3][modes][dim], G[modes][dim];
-    alignas(64) double H[9 * lanes], moved[9 * lanes], psi[lanes];
+    alignas(64) double H[3][9 * lanes] = {}, weight[lanes];  // of u and of the directions
+    std::vector<PlanePoint> points_of_plane;
+    for (int sample = 0; sample < samples; ++sample) {
+      const double *c = coefficients + directions * sample;
+      points_of_plane.emplace_back(c[0], directions > 1 ? c[1] : 0);
+    }
+    std::vector<double> sums(lanes * points_of_plane.size(), 0);
     for (PetscInt pack = first; pack < first + count; ++pack) {
       const Elements elements(packed, pack);
-      elements.displacements(u, U[2]);
-      for (int k = 0; k < directions; ++k) elements.displacements(d[k], U[k]);
+      elements.displacements(u, U[0]);
+      for (int k = 0; k < directions; ++k) elements.displacements(d[k], U[k + 1]);
       for (int q = 0; q < points; ++q) {
         elements.gradients(q, G);
-        displacement_gradient(U[2], G, H);
-        Real step[2][dim][dim];
-        for (int k = 0; k < directions; ++k) displacement_gradient(U[k], G, step[k]);
-        material.energy_densities(H, psi);
-        const Real before = Real::load(psi), weight = elements.weight(q);
-        std::copy_n(H, 9 * lanes, moved);
-        for (int sample = 0; sample < samples; ++sample) {
-          const double *c = coefficients + directions * sample;
-          for (int i = 0; i < dim; ++i) {
-            for (int j = 0; j < dim; ++j) {
-              Real sum = Real::load(H + lanes * (3 * i + j));
-              for (int k = 0; k < directions; ++k) sum += c[k] * step[k][i][j];
-              sum.store(moved + lanes * (3 * i + j));
-            }
-          }
-          material.energy_densities(moved, psi);
-          changes[sample] += ((Real::load(psi) - before) * weight).sum();
-        }
+        for (int k = 0; k <= directions; ++k) displacement_gradient(U[k], G, H[k]);
+        elements.weight(q).store(weight);
+        material.energy_changes(H[0], H[1], H[2], points_of_plane, weight, sums.data());
       }
     }
+    for (std::size_t k = 0; k < sums.size(); ++k) changes[k / lanes] += sums[k];
   }
 
   static void forces(const MaterialModel &material, const ElementPacks &packed, PetscInt first,

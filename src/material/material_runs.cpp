@@ -32,6 +32,17 @@ struct MixedMaterial {
       part.material->energy_densities(H, values);
     });
   }
+  static void energy_changes(const void *mixed, const double *H, const double *D, const double *S,
+                             std::span<const PlanePoint> points, const double *weight,
+                             double *sums) {
+    for (const Part &part : static_cast<const MixedMaterial *>(mixed)->parts) {
+      std::vector<double> values(lanes * points.size(), 0);
+      part.material->energy_changes(H, D, S, points, weight, values.data());
+      for (std::size_t k = 0; k < values.size(); ++k) {
+        if (part.owns[k % lanes]) sums[k] += values[k];
+      }
+    }
+  }
   static void stresses(const void *mixed, const double *H, double *P) {
     collect<9>(mixed, P,
                [&](const Part &part, double *values) { part.material->stresses(H, values); });
@@ -43,8 +54,8 @@ struct MixedMaterial {
 };
 
 std::unique_ptr<MaterialModel> make_mixed_model(std::vector<MixedMaterial::Part> parts) {
-  const PackedFunctions functions{MixedMaterial::energy_densities, MixedMaterial::stresses,
-                                  MixedMaterial::tangents};
+  const PackedFunctions functions{MixedMaterial::energy_densities, MixedMaterial::energy_changes,
+                                  MixedMaterial::stresses, MixedMaterial::tangents};
   return std::make_unique<MaterialModel>(
       functions, std::make_shared<MixedMaterial>(MixedMaterial{std::move(parts)}));
 }

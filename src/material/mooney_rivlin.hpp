@@ -34,7 +34,11 @@ class MooneyRivlin : public LibraryMaterial<MooneyRivlin>, public SplitMaterial<
   /// W = c1 (I1 - 3 - 2 (J - 1)) + c2 (I2 - 3 - 4 (J - 1)).
   template <class Real>
   Real distortional_energy(const Deformation<Real> &deformation) const {
-    return c1_ * deformation.I1_distortion() + c2_ * deformation.I2_distortion();
+    return distortional_energy(deformation.invariants());
+  }
+  template <class Real>
+  Real distortional_energy(const Invariants<Real> &invariants) const {
+    return c1_ * invariants.distortion + c2_ * invariants.I2_distortion();
   }
 
   /// dW/dF = (2 c1 + 4 c2)(F - cof F) + 4 c2 F (tr(E) I - E).

@@ -34,6 +34,14 @@ class NeoHookean : public LibraryMaterial<NeoHookean> {
                   mu_ * balanced + 0.5 * lambda_ * log_J * log_J);
   }
 
+  /// The same in its balanced parts alone.
+  template <class Real>
+  Real energy_of_invariants(const Invariants<Real> &invariants) const {
+    const auto [log_J, difference] = logarithm(invariants.J_minus_1);
+    return select(invariants.J_minus_1 <= Real(-1.0), Real(std::numeric_limits<double>::infinity()),
+                  mu_ * (0.5 * invariants.distortion - difference) + 0.5 * lambda_ * log_J * log_J);
+  }
+
   /// P = mu (F - F^-T) + lambda log J F^-T.
   template <class Real>
   Matrix3<Real> stress(const Deformation<Real> &deformation) const {

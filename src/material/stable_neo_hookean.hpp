@@ -37,7 +37,11 @@ class StableNeoHookean : public LibraryMaterial<StableNeoHookean>,
 
   template <class Real>
   Real distortional_energy(const Deformation<Real> &deformation) const {
-    return 0.5 * mu_ * deformation.I1_distortion();
+    return distortional_energy(deformation.invariants());
+  }
+  template <class Real>
+  Real distortional_energy(const Invariants<Real> &invariants) const {
+    return 0.5 * mu_ * invariants.distortion;
   }
 
   /// mu (F - cof F) + p cof F.

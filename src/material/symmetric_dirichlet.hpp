@@ -44,6 +44,16 @@ class SymmetricDirichlet : public LibraryMaterial<SymmetricDirichlet>,
                   weight_ * sum);
   }
 
+  /// With F^-1:F^-1 = I2 / J^2 and j = J - 1: F:F + F^-1:F^-1 - 6 is
+  /// (I1 - 3 - 2 j) + (I2 - 3 - 4 j + j^2 + 2 j^3) / J^2.
+  template <class Real>
+  Real distortional_energy(const Invariants<Real> &invariants) const {
+    const Real j = invariants.J_minus_1, J = 1.0 + j;
+    const Real sum =
+        invariants.distortion + (invariants.I2_distortion() + j * j * (1.0 + 2.0 * j)) / (J * J);
+    return select(J <= Real(0.0), Real(std::numeric_limits<double>::infinity()), weight_ * sum);
+  }
+
   /// dW/dF = mu/2 (F - B B'B) with B = F^-T = I + L. Of B B' = I + 2 M, 2 M = L + L' + L L', so
   /// F - B B'B = H - L - 2 M B.
   template <class Real>

@@ -1,6 +1,6 @@
 // What a material costs: nanoseconds for one deformation, in packs of eight with the best
 // instruction set of this machine. The deformations are random, a part of them inverted; and small
-// strains.
+// strains. The last column is for 28 energies in a plane, as the search samples them.
 //
 //   build/tests/benchmarks/material_benchmark
 
@@ -43,7 +43,12 @@ std::vector<double> random_gradients(double size) {
 }  // namespace
 
 int main() {
-  std::printf("%-20s %8s %8s %8s %8s\n", "ns a deformation", "H", "energy", "stress", "tangent");
+  std::vector<PlanePoint> plane;
+  for (int k = 0; k < 28; ++k) plane.emplace_back(0.01 * (k % 7), 0.02 * (k % 4));
+  std::vector<double> changes(lanes * plane.size(), 0);
+  const double weight[lanes] = {};
+  std::printf("%-20s %8s %8s %8s %8s %8s\n", "ns a deformation", "H", "energy", "stress", "tangent",
+              "plane");
   for (const std::string &name : material_names()) {
     for (const double size : {0.4, 1e-3}) {
       const std::vector<double> gradients = random_gradients(size);
@@ -60,7 +65,11 @@ int main() {
       const double energy = packed([&](const double *H) { model->energy_densities(H, result); });
       const double stress = packed([&](const double *H) { model->stresses(H, result); });
       const double tangent = packed([&](const double *H) { model->tangents(H, result); });
-      std::printf("%-20s %8g %8.1f %8.1f %8.1f\n", name.c_str(), size, energy, stress, tangent);
+      const double changes_in_plane = packed([&](const double *H) {
+        model->energy_changes(H, H, &gradients[0], plane, weight, changes.data());
+      });
+      std::printf("%-20s %8g %8.1f %8.1f %8.1f %8.1f\n", name.c_str(), size, energy, stress,
+                  tangent, changes_in_plane);
     }
   }
   return std::isnan(sink) && sink == 0;

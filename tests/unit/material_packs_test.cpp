@@ -90,6 +90,73 @@ TEST_P(MaterialPacksTest, ArePlainMaterials) {
   }
 }
 
+/// Planes H + a D + b S of deformations, one in each lane.
+struct PackedPlanes {
+  Matrix H[lanes], D[lanes], S[lanes];
+  alignas(64) double packed[3][9 * lanes];
+
+  /// @param rotation what the body has turned by; in the plane nothing moves in the third direction
+  PackedPlanes(double size, int dimension, const Matrix &rotation, Random *random) {
+    for (std::size_t lane = 0; lane < lanes; ++lane) {
+      const auto turned = [&] {
+        Matrix A = random->matrix(size);
+        for (int i = dimension; i < 3; ++i)
+          for (int j = 0; j < 3; ++j) A(i, j) = A(j, i) = 0;
+        return rotation * A;
+      };
+      H[lane] = along(turned(), 1, less_identity(rotation));
+      D[lane] = turned();
+      S[lane] = turned();
+      for (std::size_t p = 0; p < 9; ++p) {
+        packed[0][lanes * p + lane] = H[lane].entries[p];
+        packed[1][lanes * p + lane] = D[lane].entries[p];
+        packed[2][lanes * p + lane] = S[lane].entries[p];
+      }
+    }
+  }
+};
+
+void expect_changes_are_differences(const MaterialModel &model, const PackedPlanes &planes) {
+  const std::vector<PlanePoint> points = {{0, 0},    {1, 0},      {0, 1},     {2, 0},
+                                          {0.5, -1}, {-0.4, 0.3}, {1.7, 0.9}, {2, 1}};
+  const double weight[lanes] = {1, 2, 3, 4, 5, 6, 7, 8};
+  std::vector<double> changes(lanes * points.size(), 0);
+  model.energy_changes(planes.packed[0], planes.packed[1], planes.packed[2], points, weight,
+                       changes.data());
+  for (std::size_t k = 0; k < changes.size(); ++k) {
+    const std::size_t lane = k % lanes;
+    const PlanePoint &point = points[k / lanes];
+    const Matrix H =
+        along(along(planes.H[lane], point.a(), planes.D[lane]), point.b(), planes.S[lane]);
+    const double before = model.energy_density(planes.H[lane]), after = model.energy_density(H);
+    if (!std::isfinite(after)) {
+      EXPECT_FALSE(std::isfinite(changes[k])) << point.a() << ' ' << point.b();
+      continue;
+    }
+    if (Deformation<double>(H).J() < 0.02) continue;  // some energies are divided by it
+    const double noise_of_H = 3e-15 * norm(model.stress(H)) * (1 + norm(H));
+    EXPECT_NEAR(changes[k], weight[lane] * (after - before),
+                weight[lane] * (1e-11 * (after + before) + noise_of_H))
+        << point.a() << ' ' << point.b();
+  }
+}
+
+/// In a plane of deformations the energy may be known by its invariants all at once; one energy
+/// after the other says the same, and with the digits that small strains have, turned or not.
+TEST_P(MaterialPacksTest, ChangesInAPlaneAreDifferencesOfEnergies) {
+  Random random(7);
+  Matrix quarter_turn = diagonal(0, 0, 1);
+  quarter_turn(0, 1) = -1, quarter_turn(1, 0) = 1;
+  const Matrix rotation = random.rotation(), none = diagonal(1, 1, 1);
+  for (const double size : {0.2, 1e-3, 1e-7}) {
+    SCOPED_TRACE(size);
+    expect_changes_are_differences(*model_, PackedPlanes(size, 2, none, &random));
+    expect_changes_are_differences(*model_, PackedPlanes(size, 2, quarter_turn, &random));
+    expect_changes_are_differences(*model_, PackedPlanes(size, 3, none, &random));
+    expect_changes_are_differences(*model_, PackedPlanes(size, 3, rotation, &random));
+  }
+}
+
 TEST_P(MaterialPacksTest, OneDeformationIsALane) {
   const std::vector<State> states = packs_of_states(to_inversion);
   for (std::size_t first = 0; first < states.size(); first += lanes) {
