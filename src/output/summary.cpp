@@ -51,6 +51,10 @@ std::string verdict(const Json &record) {
     text += "; WARNING: the path of its loads was halved down, " + counted(halvings, "time") +
             ": there may be other equilibria";
   }
+  const bool in_time = result.contains("kinetic_energy");  // each step is near its own minimum
+  if (result["converged"].get<bool>() && result["minimum"].is_null() && !in_time) {
+    text += "; unverified: whether this is a minimum is not known";
+  }
   return text + "\n";
 }
 

@@ -7,6 +7,24 @@
 #include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
+namespace {
+
+/// Makes smoothed aggregation forget its coarse spaces, also where it is the coarse solver of a
+/// multigrid; does nothing to others. For good: spaces that have failed once would do so again.
+PetscErrorCode forget_coarse_spaces(PC pc) {
+  PetscBool multigrid = PETSC_FALSE;
+  PetscFunctionBegin;
+  PetscCall(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(pc), PCMG, &multigrid));
+  if (multigrid) {
+    KSP coarse = nullptr;
+    PetscCall(PCMGGetCoarseSolve(pc, &coarse));
+    PetscCall(KSPGetPC(coarse, &pc));
+  }
+  PetscCall(PCGAMGSetReuseInterpolation(pc, PETSC_FALSE));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+}  // namespace
 
 PetscErrorCode solve_with_fresh_preconditioner(KSP ksp, LineSearchState &state,
                                                SolveRecord &record) {
@@ -20,8 +38,7 @@ PetscErrorCode solve_with_fresh_preconditioner(KSP ksp, LineSearchState &state,
   PetscCall(KSPGetOperators(ksp, nullptr, &H));
   PetscCall(MatAssemblyBegin(H, MAT_FINAL_ASSEMBLY));  // a new state, or nothing is set up
   PetscCall(MatAssemblyEnd(H, MAT_FINAL_ASSEMBLY));
-  // For good: spaces that have failed once would do so again. Does nothing to others.
-  PetscCall(PCGAMGSetReuseInterpolation(pc, PETSC_FALSE));
+  PetscCall(forget_coarse_spaces(pc));
   PetscCall(KSPGetReusePreconditioner(ksp, &lagged));
   PetscCall(KSPSetReusePreconditioner(ksp, PETSC_FALSE));
   PetscCall(KSPSolve(ksp, state.residual, state.update));

@@ -91,12 +91,53 @@ class AccuracyTest(unittest.TestCase):
         above = coarse["result"]["energy"] - direct["result"]["energy"]
         self.assertLess(above / direct["result"]["energy_scale"], 1e-7)
 
+    def verdict(self, record):
+        self.assertEqual(record["status"], 0, record["printed"])
+        return next(line for line in record["printed"].splitlines()
+                    if line.startswith("converged in"))
+
     def test_an_unknown_end_is_said_to_be_unknown(self):
-        record = record_of(box(8, "-solver", "iterative", "-material_poisson", "0.495"))
-        if record["result"]["minimum"] is None:
-            self.assertTrue(any("is a minimum is not known" in note
-                                for note in record["solver"]["notes"]))
-        self.assertLessEqual(record["result"]["verification_solves"], 60)
+        iterative = box(8, "-solver", "iterative", "-material_poisson", "0.495")
+        bounded = record_of(iterative)  # thirty solves tell nothing there
+        self.assertIsNone(bounded["result"]["minimum"])
+        self.assertTrue(any("is a minimum is not known" in note
+                            for note in bounded["solver"]["notes"]))
+        self.assertLessEqual(bounded["result"]["verification_solves"], 60)
+        left_out = record_of(box(4, "-solver", "iterative", "-snes_trefoil_verify_minimum",
+                                 "false"))
+        for record in bounded, left_out:
+            self.assertIn("; unverified", self.verdict(record))
+        patient = record_of([*iterative, "-snes_trefoil_verify_share", "0"])
+        for record in patient, record_of(box(4)):
+            self.assertIs(record["result"]["minimum"], True)
+            self.assertNotIn("unverified", self.verdict(record))
+
+
+class RetryTest(unittest.TestCase):
+    """What follows where conjugate gradients fail."""
+
+    # The smoother of the second level amplifies: no preconditioner for conjugate gradients.
+    BROKEN = ["-mg_levels_ksp_type", "richardson", "-mg_levels_ksp_richardson_scale", "-1"]
+
+    def test_a_fresh_preconditioner_lets_the_solve_go_on(self):
+        # Bounds of the first Jacobian make the smoothers of a later one indefinite.
+        record = record_of(box(6, "-solver", "iterative", "-material_poisson", "0.495",
+                               "-pc_gamg_use_sa_esteig", "true"))
+        self.assertEqual(record["status"], 0, record["printed"])
+        self.assertGreater(record["result"]["factorisations"], record["result"]["iterations"])
+        direct = record_of(box(6, "-solver", "direct", "-material_poisson", "0.495"))
+        above = record["result"]["energy"] - direct["result"]["energy"]
+        self.assertLess(above / direct["result"]["energy_scale"], 1e-8)
+
+    def test_a_failure_that_stays_names_its_cause_and_the_way_out(self):
+        for ranks in 1, 2:
+            record = record_of(box(6, "-solver", "iterative", *self.BROKEN), ranks)
+            self.assertEqual(record["status"], 3, record["printed"])
+            verdict = next(line for line in record["printed"].splitlines()
+                           if line.startswith("NOT CONVERGED"))
+            self.assertRegex(verdict, r"with a fresh preconditioner as well \(DIVERGED_INDEFINITE_PC\)"
+                             r": use a direct one, or tune it by -ksp_\* and -pc_\*")
+            self.assertGreater(record["result"]["factorisations"], record["result"]["iterations"])
 
 
 class QuadraticTest(unittest.TestCase):
