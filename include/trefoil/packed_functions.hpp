@@ -40,24 +40,27 @@ Deformation<Pack<isa>> load_deformation(const double *H) {
 }
 
 template <InstructionSet isa, class M>
-[[gnu::flatten]] void energy_density(const void *material, const double *H, double *psi) {
+[[gnu::flatten, gnu::noinline]] void energy_density(const void *material, const double *H,
+                                                    double *psi) {
   static_cast<const M *>(material)->energy_density(load_deformation<isa>(H)).store(psi);
 }
 
-/// One energy after the other.
+/// One energy after the other, by calls: inlined into the loop, decompositions of F are slower.
 template <InstructionSet isa, class M>
-[[gnu::flatten]] void sampled_energy_changes(const void *material, const double *H, const double *D,
-                                             const double *S, std::span<const PlanePoint> points,
-                                             const double *weight, double *sums) {
+void sampled_energy_changes(const void *material, const double *H, const double *D, const double *S,
+                            std::span<const PlanePoint> points, const double *weight,
+                            double *sums) {
   using Real = Pack<isa>;
-  const M &model = *static_cast<const M *>(material);
   const auto start = load<isa, 9>(H), first = load<isa, 9>(D), second = load<isa, 9>(S);
-  const Real before = model.energy_density(Deformation<Real>({start})), w = Real::load(weight);
+  alignas(64) double moved[9 * lanes], psi[lanes];
+  energy_density<isa, M>(material, H, psi);
+  const Real before = Real::load(psi), w = Real::load(weight);
   for (const PlanePoint &point : points) {
-    auto moved = start;
-    for (std::size_t k = 0; k < 9; ++k) moved[k] += point.a() * first[k] + point.b() * second[k];
-    const Real change = model.energy_density(Deformation<Real>({moved})) - before;
-    (Real::load(sums) + w * change).store(sums);
+    for (std::size_t k = 0; k < 9; ++k) {
+      (start[k] + point.a() * first[k] + point.b() * second[k]).store(moved + lanes * k);
+    }
+    energy_density<isa, M>(material, moved, psi);
+    (Real::load(sums) + w * (Real::load(psi) - before)).store(sums);
     sums += lanes;
   }
 }

@@ -24,13 +24,6 @@ class StVenantKirchhoff : public LibraryMaterial<StVenantKirchhoff> {
     return mu_ * squared_norm(E) + 0.5 * lambda_ * trace * trace;
   }
 
-  /// With E:E = tr^2 E - 2 tr cof E.
-  template <class Real>
-  Real energy_of_invariants(const Invariants<Real> &invariants) const {
-    const Real trace = 0.5 * invariants.I1_minus_3();
-    return (mu_ + 0.5 * lambda_) * trace * trace - 2.0 * mu_ * invariants.second_of_strain;
-  }
-
   /// P = F (2 mu E + lambda tr E I).
   template <class Real>
   Matrix3<Real> stress(const Deformation<Real> &deformation) const {
