@@ -263,6 +263,30 @@ typedef struct {
   PetscReal indefinite; /* share of elements with a negative eigenvalue */
 } TrefoilIteration;
 
+/* What a solve carries from one iteration to the next beside x. */
+typedef struct {
+  PetscBool has_last;     /* whether there is a step that rules may learn from */
+  TrefoilIteration last;  /* the last such step */
+  PetscBool trusts_model; /* the quadratic model has been seen to predict well */
+  PetscReal proxy_scale;  /* length of a proxy's directions, by the last step along one */
+  Vec previous_step;      /* of search `subspace`; NULL where there is none */
+} TrefoilSearchState;
+
+/*
+   TrefoilSNESGetSearchState - what is to be kept, beside x, so that the solve can go on later
+
+   Not collective; from a monitor of the SNES, or after a solve. The Vec is borrowed until the next
+   step.
+*/
+PetscErrorCode TrefoilSNESGetSearchState(SNES snes, TrefoilSearchState *state);
+
+/*
+   TrefoilSNESSetSearchState - lets the next solve go on, from its x, where another has stopped
+
+   Collective. The Vec is copied; a rule learns from `last` as if it had seen it.
+*/
+PetscErrorCode TrefoilSNESSetSearchState(SNES snes, const TrefoilSearchState *state);
+
 /* Chooses the weight w >= 0 of the next iteration; `last` is NULL in a solve's first one. Called
    with the same numbers on all ranks, and must return the same weight on all. */
 typedef PetscErrorCode (*TrefoilRuleFunction)(SNES snes, const TrefoilIteration *last,

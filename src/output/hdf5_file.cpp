@@ -19,7 +19,8 @@ const char *group_of(const FieldKind &field) {
   return field.on_vertices ? "/vertex_fields" : "/cell_fields";
 }
 
-/// Writes a dataset of `components` columns (a plain list where that is 1), rank below rank.
+}  // namespace
+
 PetscErrorCode write_reals(PetscViewer viewer, const std::string &name, int components,
                            const std::vector<double> &values) {
   Vec vector = nullptr;
@@ -33,6 +34,8 @@ PetscErrorCode write_reals(PetscViewer viewer, const std::string &name, int comp
   PetscCall(outcome);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+namespace {
 
 /// Writes the cells as a dataset of cells x nodes, rank below rank.
 PetscErrorCode write_cells(PetscViewer viewer, const ArrangedMesh &mesh) {
@@ -82,8 +85,8 @@ PetscInt64 size_in_hdf5(const ArrangedMesh &totals, bool with_mesh,
          integers * static_cast<PetscInt64>(sizeof(PetscInt)) + hdf5_itself;
 }
 
-PetscErrorCode write_hdf5(MPI_Comm comm, const std::string &file, const ArrangedMesh *mesh,
-                          const std::vector<ArrangedField> &fields) {
+PetscErrorCode with_hdf5(MPI_Comm comm, const std::string &file, PetscFileMode mode,
+                         const std::function<PetscErrorCode(PetscViewer)> &write) {
   PetscViewer viewer = nullptr;
   H5E_auto2_t printer = nullptr;
   void *printer_data = nullptr;
@@ -91,13 +94,20 @@ PetscErrorCode write_hdf5(MPI_Comm comm, const std::string &file, const Arranged
   H5Eget_auto2(H5E_DEFAULT, &printer, &printer_data);
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   PetscCall(PetscPushErrorHandler(PetscReturnErrorHandler, nullptr));
-  PetscErrorCode outcome =
-      PetscViewerHDF5Open(comm, file.c_str(), mesh ? FILE_MODE_WRITE : FILE_MODE_APPEND, &viewer);
-  if (!outcome) outcome = write_datasets(viewer, mesh, fields);
+  PetscErrorCode outcome = PetscViewerHDF5Open(comm, file.c_str(), mode, &viewer);
+  if (!outcome) outcome = write(viewer);
   const PetscErrorCode closing = PetscViewerDestroy(&viewer);
   PetscCall(PetscPopErrorHandler());
   H5Eset_auto2(H5E_DEFAULT, printer, printer_data);
   PetscFunctionReturn(outcome ? outcome : closing);
+}
+
+PetscErrorCode write_hdf5(MPI_Comm comm, const std::string &file, const ArrangedMesh *mesh,
+                          const std::vector<ArrangedField> &fields) {
+  PetscFunctionBeginUser;
+  PetscCall(with_hdf5(comm, file, mesh ? FILE_MODE_WRITE : FILE_MODE_APPEND,
+                      [&](PetscViewer viewer) { return write_datasets(viewer, mesh, fields); }));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 }  // namespace trefoil

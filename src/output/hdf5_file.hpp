@@ -1,14 +1,25 @@
 #pragma once
 
-#include <petscsys.h>
+#include <petscviewer.h>
+
+#include <functional>
 
 #include "output/arranged.hpp"
 
 /// The heavy half of an output: datasets in an HDF5 file, written by all ranks together.
 namespace trefoil {
 
-/// Writes a file that is there, and empty. Collective, but where the disk fails on some ranks the
+/// Opens a file, writes it and closes it. Collective, but where the disk fails on some ranks the
 /// outcome may differ between ranks. What PETSc and HDF5 say about a failure is kept silent.
+PetscErrorCode with_hdf5(MPI_Comm comm, const std::string &file, PetscFileMode mode,
+                         const std::function<PetscErrorCode(PetscViewer)> &write);
+
+/// Writes a dataset of `components` columns (a plain list where that is 1), rank below rank.
+/// Collective.
+PetscErrorCode write_reals(PetscViewer viewer, const std::string &name, int components,
+                           const std::vector<double> &values);
+
+/// Writes a mesh and its fields into a file that is there, and empty, as with_hdf5() does.
 /// @param mesh null: the file has fields only
 PetscErrorCode write_hdf5(MPI_Comm comm, const std::string &file, const ArrangedMesh *mesh,
                           const std::vector<ArrangedField> &fields);

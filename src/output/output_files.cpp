@@ -40,6 +40,16 @@ std::string obstacle_of(const std::filesystem::path &file) {
   return FileInParts(file).create();
 }
 
+/// A PETSc error of one rank as a sentence for all. Collective.
+PetscErrorCode agree_on_writing(MPI_Comm comm, const std::string &file, PetscErrorCode outcome) {
+  int error = static_cast<int>(outcome);
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &error, 1, MPI_INT, MPI_MAX, comm));
+  const std::string why = "writing it failed, PETSc's error " + std::to_string(error);
+  PetscCall(agree_on_complaint(comm, error ? cannot_write(file, why) : "", PETSC_ERR_FILE_OPEN));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 }  // namespace
 
 OutputFormat format_of_output(const std::filesystem::path &path) {
@@ -111,6 +121,39 @@ PetscErrorCode FileInParts::share(MPI_Comm comm) {
 std::string check_room_on_disk(const std::filesystem::path &file, PetscInt64 bytes) {
   const std::string problem = find_no_room(file.string(), bytes);
   return problem.empty() ? "" : cannot_write(file, problem);
+}
+
+PetscErrorCode write_whole(MPI_Comm comm, const std::filesystem::path &file, PetscInt64 bytes,
+                           const std::function<PetscErrorCode(const std::string &part)> &write,
+                           const std::filesystem::path &stale) {
+  FileInParts whole(file);
+  std::string problem;
+  int rank = 0;
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Comm_rank(comm, &rank));
+  // A disk that fills up in the middle of a collective write leaves ranks waiting for ever in
+  // HDF5 (seen with 1.10.8 on a small disk): whether there is room is settled before.
+  if (rank == 0) problem = whole.create();
+  if (rank == 0 && problem.empty()) problem = check_room_on_disk(whole.part(), bytes);
+  PetscCall(agree_on_complaint(comm, problem, PETSC_ERR_FILE_OPEN));
+  PetscCall(whole.share(comm));
+  PetscCall(agree_on_writing(comm, file.string(), write(whole.part().string())));
+  if (rank == 0) {
+    std::error_code error;
+    if (!stale.empty()) std::filesystem::remove(stale, error);
+    problem = error ? cannot_write(stale, error.message()) : whole.publish();
+  }
+  PetscCall(agree_on_complaint(comm, problem, PETSC_ERR_FILE_OPEN));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode check_place(MPI_Comm comm, const std::string &file) {
+  int rank = 0;
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Comm_rank(comm, &rank));
+  PetscCall(agree_on_complaint(comm, rank == 0 ? obstacle_of(follow_links(file)) : "",
+                               PETSC_ERR_FILE_OPEN));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode check_writable(MPI_Comm comm, const std::string &path) {

@@ -3,6 +3,7 @@
 #include <petscsys.h>
 
 #include <filesystem>
+#include <functional>
 #include <string>
 
 namespace trefoil {
@@ -12,6 +13,10 @@ enum class OutputFormat { xdmf, vtu, unknown };
 
 /// By the ending of the name.
 OutputFormat format_of_output(const std::filesystem::path &path);
+
+/// Refuses a place where no file can be written and renamed, with one sentence on all ranks; leaves
+/// nothing behind. Collective.
+PetscErrorCode check_place(MPI_Comm comm, const std::string &file);
 
 /// What is in the way of writing an output to `path`, as one sentence; nothing where all is well.
 std::string find_obstacle(const std::filesystem::path &path);
@@ -46,6 +51,15 @@ class FileInParts {
   std::filesystem::path path_, part_;
   bool is_mine_ = false;
 };
+
+/// Writes a file of all ranks beside its place, where the disk has room for it, and gives it its
+/// name. Collective; PETSC_ERR_FILE_OPEN on all ranks, with one sentence, where it cannot be
+/// written: what stood there stays then.
+/// @param write the collective writing of the part, which is there, and empty
+/// @param stale a description of the file that was there, or empty: removed just before
+PetscErrorCode write_whole(MPI_Comm comm, const std::filesystem::path &file, PetscInt64 bytes,
+                           const std::function<PetscErrorCode(const std::string &part)> &write,
+                           const std::filesystem::path &stale = {});
 
 /// Whether the disk has room for `bytes` more behind a file, which stays as it is.
 /// @return one sentence where it has not, or nothing

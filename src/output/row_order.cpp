@@ -107,6 +107,28 @@ PetscErrorCode RowOrder::arrange(const std::vector<PetscInt> &values, int width,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode RowOrder::fetch(const std::vector<PetscInt> &numbers,
+                               const std::vector<double> &rows, int width,
+                               std::vector<double> *values) const {
+  PetscLayout layout = nullptr;
+  PetscSF forest = nullptr;
+  MPI_Datatype row = MPI_DATATYPE_NULL;
+  std::vector<PetscInt> places(numbers);
+  PetscFunctionBeginUser;
+  PetscCall(find_places(&places));
+  PetscCall(PetscLayoutCreateFromSizes(comm_, share_, total_, 1, &layout));
+  PetscCall(make_forest(comm_, layout, places, &forest));
+  PetscCall(PetscLayoutDestroy(&layout));
+  values->resize(numbers.size() * static_cast<std::size_t>(width));
+  PetscCallMPI(MPI_Type_contiguous(width, MPI_DOUBLE, &row));
+  PetscCallMPI(MPI_Type_commit(&row));
+  PetscCall(PetscSFBcastBegin(forest, row, rows.data(), values->data(), MPI_REPLACE));
+  PetscCall(PetscSFBcastEnd(forest, row, rows.data(), values->data(), MPI_REPLACE));
+  PetscCallMPI(MPI_Type_free(&row));
+  PetscCall(PetscSFDestroy(&forest));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode RowOrder::find_places(std::vector<PetscInt> *numbers) const {
   PetscSF forest = nullptr;
   PetscFunctionBeginUser;

@@ -30,6 +30,12 @@ class RowOrder {
   PetscErrorCode arrange(const std::vector<PetscInt> &values, int width,
                          std::vector<PetscInt> *rows) const;
 
+  /// The other way round: rows of any numbers, of any rank's, from this rank's share. Collective.
+  /// @param rows share x width   @param values numbers x width
+  PetscErrorCode fetch(const std::vector<PetscInt> &numbers, const std::vector<double> &rows,
+                       int width, std::vector<double> *values) const;
+  [[nodiscard]] PetscInt share() const { return share_; }  ///< rows of this rank's share
+
   /// Replaces numbers of rows, of any rank's, by their places in the order. Collective.
   PetscErrorCode find_places(std::vector<PetscInt> *numbers) const;
 

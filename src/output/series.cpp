@@ -39,21 +39,16 @@ PetscErrorCode agree_that_it_fits(MPI_Comm comm, bool fits) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// A PETSc error of one rank as a sentence for all. Collective.
-PetscErrorCode agree_on_writing(MPI_Comm comm, const std::string &file, PetscErrorCode outcome) {
-  int error = static_cast<int>(outcome);
-  PetscFunctionBeginUser;
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &error, 1, MPI_INT, MPI_MAX, comm));
-  const std::string why = "writing it failed, PETSc's error " + std::to_string(error);
-  PetscCall(agree_on_complaint(comm, error ? cannot_write(file, why) : "", PETSC_ERR_FILE_OPEN));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /// "bar_0012.vtu"
 std::filesystem::path numbered(const std::filesystem::path &path, std::size_t number) {
   char digits[32];
   std::snprintf(digits, sizeof digits, "_%04zu", number);
   return path.parent_path() / (path.stem().string() + digits + path.extension().string());
+}
+
+/// The heavy half of an XDMF output, and of a series the mesh.
+std::filesystem::path data_of(const std::filesystem::path &path) {
+  return std::filesystem::path(path).replace_extension(".h5");
 }
 
 /// Lets `name` be another name of `file`, or a copy where the disk knows no second names.
@@ -80,8 +75,6 @@ std::string text_of_pvd(const std::filesystem::path &path, const std::vector<Xdm
 }  // namespace
 
 struct Series::State {
-  using Write = std::function<PetscErrorCode(const std::string &file)>;  ///< collective
-
   MPI_Comm comm = MPI_COMM_NULL;
   int rank = 0;
   std::filesystem::path path;
@@ -96,10 +89,9 @@ struct Series::State {
   PetscErrorCode arrange(const std::vector<Field> &fields, std::vector<ArrangedField> *arranged);
   PetscErrorCode write_xdmf(const std::vector<ArrangedField> &fields);
   PetscErrorCode write_vtus(const std::vector<ArrangedField> &fields);
-  /// Writes a file beside its place, where the disk has room for it, and gives it its name.
-  /// @param stale a description of the file that was there, or empty: removed just before
-  PetscErrorCode write_heavy(const std::filesystem::path &file, const Write &write,
-                             PetscInt64 bytes, const std::filesystem::path &stale = {});
+  PetscErrorCode publish_list();
+  std::string cut() const;
+  [[nodiscard]] std::filesystem::path file_of_state(std::size_t number) const;
   PetscErrorCode publish_text(const std::filesystem::path &file, const std::string &text);
 };
 
@@ -152,63 +144,76 @@ PetscErrorCode Series::State::publish_text(const std::filesystem::path &file,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Series::State::write_heavy(const std::filesystem::path &file, const Write &write,
-                                          PetscInt64 bytes, const std::filesystem::path &stale) {
-  FileInParts whole(file);
-  std::string problem;
+/// The description of a series.
+PetscErrorCode Series::State::publish_list() {
+  const std::filesystem::path data = data_of(path);
   PetscFunctionBeginUser;
-  // A disk that fills up in the middle of a collective write leaves ranks waiting for ever in
-  // HDF5 (seen with 1.10.8 on a small disk): whether there is room is settled before.
-  if (rank == 0) problem = whole.create();
-  if (rank == 0 && problem.empty()) problem = check_room_on_disk(whole.part(), bytes);
-  PetscCall(agree_on_complaint(comm, problem, PETSC_ERR_FILE_OPEN));
-  PetscCall(whole.share(comm));
-  PetscCall(agree_on_writing(comm, file.string(), write(whole.part().string())));
-  if (rank == 0) {
-    std::error_code error;
-    if (!stale.empty()) std::filesystem::remove(stale, error);
-    problem = error ? cannot_write(stale, error.message()) : whole.publish();
+  if (format == OutputFormat::xdmf) {
+    PetscCall(publish_text(path, describe_in_xdmf(data.filename().string(), mesh, states)));
+  } else {
+    PetscCall(publish_text(std::filesystem::path(path).replace_extension(".pvd"),
+                           text_of_pvd(path, states)));
   }
-  PetscCall(agree_on_complaint(comm, problem, PETSC_ERR_FILE_OPEN));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+std::filesystem::path Series::State::file_of_state(std::size_t number) const {
+  return numbered(format == OutputFormat::xdmf ? data_of(path) : path, number);
+}
+
+/// On one rank: removes the states behind those that are known. @return one sentence where these
+/// are not there, or nothing
+std::string Series::State::cut() const {
+  std::error_code error;
+  std::vector<std::filesystem::path> needed;
+  if (format == OutputFormat::xdmf) needed.push_back(data_of(path));
+  for (std::size_t k = 0; k < states.size(); ++k) needed.push_back(file_of_state(k));
+  for (const std::filesystem::path &file : needed) {
+    if (std::filesystem::exists(file, error)) continue;
+    return "cannot go on with the series '" + path.string() + "': '" + file.string() +
+           "' is not there; restart where it was written, or name another -output_file";
+  }
+  for (std::size_t k = states.size(); std::filesystem::remove(file_of_state(k), error); ++k) {
+  }
+  return format == OutputFormat::xdmf ? ""
+                                      : give_second_name(file_of_state(states.size() - 1), path);
+}
+
 PetscErrorCode Series::State::write_xdmf(const std::vector<ArrangedField> &fields) {
-  const std::filesystem::path data = std::filesystem::path(path).replace_extension(".h5");
+  const std::filesystem::path data = data_of(path);
   const bool is_series = states.back().has_time, is_first = states.size() == 1;
   const std::vector<ArrangedField> none;
   PetscFunctionBeginUser;
   if (is_first) {
     // An old description goes first: at no moment does one stand beside data that it does not fit.
     const std::vector<ArrangedField> &with = is_series ? none : fields;
-    PetscCall(write_heavy(
-        data, [&](const std::string &part) { return write_hdf5(comm, part, &mesh, with); },
-        size_in_hdf5(mesh, true, with), path));
+    PetscCall(write_whole(
+        comm, data, size_in_hdf5(mesh, true, with),
+        [&](const std::string &part) { return write_hdf5(comm, part, &mesh, with); }, path));
   }
-  const std::filesystem::path of_state = is_series ? numbered(data, states.size() - 1) : data;
+  const std::filesystem::path of_state = is_series ? file_of_state(states.size() - 1) : data;
   states.back().data_file = of_state.filename().string();
   if (is_series) {
-    PetscCall(write_heavy(
-        of_state, [&](const std::string &part) { return write_hdf5(comm, part, nullptr, fields); },
-        size_in_hdf5(mesh, false, fields)));
+    PetscCall(write_whole(
+        comm, of_state, size_in_hdf5(mesh, false, fields),
+        [&](const std::string &part) { return write_hdf5(comm, part, nullptr, fields); }));
   }
-  PetscCall(publish_text(path, describe_in_xdmf(data.filename().string(), mesh, states)));
+  PetscCall(publish_list());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode Series::State::write_vtus(const std::vector<ArrangedField> &fields) {
   const bool is_series = states.back().has_time;
-  const std::filesystem::path file = is_series ? numbered(path, states.size() - 1) : path;
+  const std::filesystem::path file = is_series ? file_of_state(states.size() - 1) : path;
   std::string problem;
   PetscFunctionBeginUser;
-  PetscCall(write_heavy(
-      file, [&](const std::string &part) { return write_vtu(comm, part, mesh, fields); },
-      size_in_vtu(mesh, fields)));
+  PetscCall(write_whole(comm, file, size_in_vtu(mesh, fields), [&](const std::string &part) {
+    return write_vtu(comm, part, mesh, fields);
+  }));
   if (!is_series) PetscFunctionReturn(PETSC_SUCCESS);
   if (rank == 0) problem = give_second_name(file, path);
   PetscCall(agree_on_complaint(comm, problem, PETSC_ERR_FILE_OPEN));
-  PetscCall(publish_text(std::filesystem::path(path).replace_extension(".pvd"),
-                         text_of_pvd(path, states)));
+  PetscCall(publish_list());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -245,6 +250,39 @@ PetscErrorCode Series::open(MPI_Comm comm, const std::string &path, const Output
 PetscErrorCode Series::append(double t, const std::vector<Field> &fields) {
   PetscFunctionBeginUser;
   PetscCall(state_->write(true, t, fields));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+nlohmann::ordered_json Series::save() const {
+  auto written = nlohmann::ordered_json::array();
+  if (!state_) return written;
+  for (const XdmfState &state : state_->states) {
+    auto fields = nlohmann::ordered_json::array();
+    for (const FieldKind &field : state.fields) {
+      fields.push_back({{"name", field.name},
+                        {"on_vertices", field.on_vertices},
+                        {"components", field.components}});
+    }
+    written.push_back({{"t", state.t}, {"file", state.data_file}, {"fields", fields}});
+  }
+  return written;
+}
+
+PetscErrorCode Series::go_on(const nlohmann::ordered_json &written) {
+  State &state = *state_;
+  std::string problem;
+  PetscFunctionBeginUser;
+  for (const auto &one : written) {
+    XdmfState known{true, one.at("t"), one.at("file"), {}};
+    for (const auto &field : one.at("fields")) {
+      known.fields.push_back({field.at("name"), field.at("on_vertices"), field.at("components")});
+    }
+    state.states.push_back(std::move(known));
+  }
+  if (state.states.empty()) PetscFunctionReturn(PETSC_SUCCESS);
+  if (state.rank == 0) problem = state.cut();
+  PetscCall(agree_on_complaint(state.comm, problem, PETSC_ERR_FILE_OPEN));
+  PetscCall(state.publish_list());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "output/snapshot.hpp"
 
@@ -27,6 +28,12 @@ class Series {
 
   /// Writes the state at time t. Collective; errors as those of write_snapshot().
   PetscErrorCode append(double t, const std::vector<Field> &fields);
+
+  /// What has been written, for a run that goes on later.
+  [[nodiscard]] nlohmann::ordered_json save() const;
+  /// After open(): goes on behind these states of save(), which have to be there; what was written
+  /// after them is removed. Collective.
+  PetscErrorCode go_on(const nlohmann::ordered_json &written);
 
   /// Writes a single state, to which time means nothing; nothing can be appended to it.
   PetscErrorCode write_only(const std::vector<Field> &fields);

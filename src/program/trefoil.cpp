@@ -2,8 +2,8 @@
 //
 //   mpirun -n 2 trefoil examples/knot.yaml -snes_trefoil_record knot.json
 //
-// Exit status: 0 converged, or help, which solves nothing; 1 bad input, 3 not converged or out of
-// memory.
+// Exit status: 0 converged, or help, which solves nothing; 1 bad input, 3 not converged, out of
+// memory, or stopped by SIGTERM with a checkpoint.
 
 #include <cstdio>
 #include <exception>
@@ -11,19 +11,19 @@
 #include <string>
 
 #include "output/record.hpp"
-#include "output/results_table.hpp"
 #include "program/arguments.hpp"
 #include "program/help.hpp"
 #include "program/manual_page.hpp"
 #include "program/program_errors.hpp"
 #include "scene/fields.hpp"
 #include "scene/scene.hpp"
-#include "scene/state_report.hpp"
+#include "solve/checkpoint.hpp"
 #include "solve/load_steps.hpp"
 #include "solve/report.hpp"
 #include "solve/scene_check.hpp"
 #include "solve/solve.hpp"
 #include "solve/solver_help.hpp"
+#include "solve/state_log.hpp"
 #include "support/petsc_compatibility.hpp"
 #include "support/text_file.hpp"
 #include "trefoil.h"
@@ -59,7 +59,7 @@ PetscErrorCode solve(MPI_Comm comm, const SceneOptions &options, double begin, i
   Scene scene;
   SolveOutcome outcome;
   RunReport report;
-  double output_seconds = 0;
+  StateReport end;
   PetscFunctionBeginUser;
   PetscCall(build_scene(comm, options, &scene));
   PetscCall(choose_load_steps(&scene));
@@ -69,43 +69,26 @@ PetscErrorCode solve(MPI_Comm comm, const SceneOptions &options, double begin, i
   }
   report.constraints = scene.constraints.reports();
   report.loads = scene.load_reports;
-  ResultsFile table(comm, options.csv_file);
-  FieldOutput output(scene, has_series(scene.options));
-  bool is_written = false;  // of the last state that was seen
+  StateLog log(scene, &report);
+  Checkpoint checkpoint(scene);
+  PetscCall(checkpoint.open());
+  checkpoint.save_results([&](SavedRun *run) {
+    log.save(run);
+    return PETSC_SUCCESS;
+  });
+  if (checkpoint.start()) PetscCall(log.go_on(checkpoint));
   const auto observe = [&](double t, PetscInt iterations, bool is_loose) {
-    PetscFunctionBeginUser;
-    const double start = MPI_Wtime();
-    StateReport state;
-    state.iterations = iterations;
-    state.is_loose = is_loose;
-    PetscCall(describe_state(scene, t, &state));
-    is_written =
-        !is_loose && report.states.size() % static_cast<std::size_t>(options.output_every) == 0;
-    if (is_written) PetscCall(output.write(t));
-    report.states.push_back(state);
-    PetscCall(table.add(report));
-    output_seconds += MPI_Wtime() - start;
-    PetscFunctionReturn(PETSC_SUCCESS);
+    return log.observe(t, iterations, is_loose);
   };
-  PetscCall(solve_scene(scene, observe, &outcome));
+  PetscCall(solve_scene(scene, observe, checkpoint, &outcome));
   if (!outcome.converged) *status = not_converged;
 
-  StateReport end;
-  if (report.states.empty() ||
-      report.states.back().is_loose) {  // nothing converged: the last iterate, or the body at rest
-    const double start = MPI_Wtime();
-    PetscCall(describe_state(scene, outcome.time, &end));
-    PetscCall(output.write(outcome.time));
-    output_seconds += MPI_Wtime() - start;
-  } else {
-    end = report.states.back();
-    if (!is_written) PetscCall(output.write(end.t));
-  }
+  PetscCall(log.close(outcome.time, &end));
   PetscCall(fill_report(scene, outcome, end, &report));
-  report.times = {MPI_Wtime() - begin, scene.read_seconds, scene.setup_seconds, output_seconds,
+  report.times = {MPI_Wtime() - begin, scene.read_seconds, scene.setup_seconds, log.seconds(),
                   outcome.guess.seconds};
   PetscCall(share_times(comm, &report.times));
-  PetscCall(table.end(report));
+  PetscCall(log.end_table());
   PetscCall(write_results(comm, options, report));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -150,7 +133,11 @@ int run_with_petsc(Arguments &arguments, double begin, bool *has_failed) {
     keep_error(std::string("stopped by an unexpected error: ") + problem.what());
   }
   *has_failed = error != PETSC_SUCCESS;
-  if (*has_failed) status = explain_lack_of_memory(error) ? out_of_memory : bad_input;
+  if (*has_failed) {
+    status = explain_lack_of_memory(error) ? out_of_memory
+             : was_stopped()               ? not_converged
+                                           : bad_input;
+  }
   return status;
 }
 

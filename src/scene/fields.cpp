@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "output/mesh_output.hpp"
+#include "output/output_files.hpp"
 #include "scene/cell_tensors.hpp"
 #include "scene/state_report.hpp"
 #include "support/petsc_compatibility.hpp"
@@ -156,6 +157,7 @@ PetscErrorCode check_outputs(MPI_Comm comm, const SceneOptions &options) {
   for (const std::string &file : {options.csv_file, options.record_file}) {
     if (!file.empty()) PetscCall(check_text_file(comm, file));
   }
+  if (!options.checkpoint.file.empty()) PetscCall(check_place(comm, options.checkpoint.file));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -199,17 +201,35 @@ PetscErrorCode FieldOutput::make_fields(std::vector<Field> *fields) const {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode FieldOutput::open() {
+  PetscFunctionBeginUser;
+  if (is_open_) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(series_.open(PetscObjectComm(reinterpret_cast<PetscObject>(scene_.mesh.dm)),
+                         scene_.options.output_file, output_of(scene_.mesh)));
+  is_open_ = true;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode FieldOutput::write(double t) {
   std::vector<Field> fields;
   PetscFunctionBeginUser;
   if (scene_.options.output_file.empty()) PetscFunctionReturn(PETSC_SUCCESS);
-  if (!is_open_) {
-    PetscCall(series_.open(PetscObjectComm(reinterpret_cast<PetscObject>(scene_.mesh.dm)),
-                           scene_.options.output_file, output_of(scene_.mesh)));
-    is_open_ = true;
-  }
+  PetscCall(open());
   PetscCall(make_fields(&fields));
   PetscCall(is_series_ ? series_.append(t, fields) : series_.write_only(fields));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+nlohmann::ordered_json FieldOutput::save() const {
+  return {{"file", scene_.options.output_file}, {"written", series_.save()}};
+}
+
+PetscErrorCode FieldOutput::go_on(const nlohmann::ordered_json &saved) {
+  const std::string &file = scene_.options.output_file;
+  PetscFunctionBeginUser;
+  if (!is_series_ || file.empty() || saved.at("file") != file) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(open());
+  PetscCall(series_.go_on(saved.at("written")));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

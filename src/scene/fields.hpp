@@ -24,7 +24,13 @@ class FieldOutput {
   /// Writes the state that the scene is at. Collective.
   PetscErrorCode write(double t);
 
+  /// What has been written of a series, for a run that goes on later.
+  [[nodiscard]] nlohmann::ordered_json save() const;
+  /// Goes on with the series of a run that was saved, where it is in the same files. Collective.
+  PetscErrorCode go_on(const nlohmann::ordered_json &saved);
+
  private:
+  PetscErrorCode open();
   PetscErrorCode make_fields(std::vector<Field> *fields) const;
 
   Scene &scene_;

@@ -1,5 +1,7 @@
 #include "scene/initial_displacement.hpp"
 
+#include <utility>
+
 #include "input/expression.hpp"
 #include "input/selection.hpp"
 #include "mesh/cell_list.hpp"
@@ -44,11 +46,18 @@ PetscErrorCode set_initial_displacement(const std::string &expression,
                                         const Discretization &discretization, Vec x) {
   const Mesh &mesh = discretization.mesh();
   std::vector<double> displacement;
-  PetscInt begin = 0, end = 0;
-  PetscScalar *values = nullptr;
   PetscFunctionBeginUser;
   const std::string complaint = complaint_of([&] { displacement = evaluate(expression, mesh); });
   PetscCall(agree_on_complaint(PetscObjectComm(reinterpret_cast<PetscObject>(x)), complaint));
+  PetscCall(set_unknowns(std::move(displacement), discretization, x));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode set_unknowns(std::vector<double> displacement, const Discretization &discretization,
+                            Vec x) {
+  PetscInt begin = 0, end = 0;
+  PetscScalar *values = nullptr;
+  PetscFunctionBeginUser;
   discretization.turn_to_axes(displacement.data());
   PetscCall(VecGetOwnershipRange(x, &begin, &end));
   PetscCall(VecGetArray(x, &values));

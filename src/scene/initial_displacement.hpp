@@ -20,4 +20,9 @@ std::string choose_initial(const SceneOptions &options);
 PetscErrorCode set_initial_displacement(const std::string &expression,
                                         const Discretization &discretization, Vec x);
 
+/// Sets the unknowns x to those of a displacement, or of a change of it, 3 numbers a local vertex;
+/// what it has of held components is ignored.
+PetscErrorCode set_unknowns(std::vector<double> displacement, const Discretization &discretization,
+                            Vec x);
+
 }  // namespace trefoil

@@ -203,6 +203,18 @@ PetscErrorCode MovingBody::accelerate() {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MovingBody::go_on(double time, Motion state, Motion previous, double previous_step) {
+  PetscFunctionBeginUser;
+  PetscCall(set_time(time));
+  if (!stand_) PetscCall(VecDuplicate(scene_.displacement, &stand_));
+  PetscCall(VecCopy(scene_.displacement, stand_));
+  time_of_stand_ = time;
+  integrator_.resume(time, std::move(state), std::move(previous), previous_step);
+  PetscCall(scene_.functional->accept_step(scene_.displacement));
+  PetscCall(balance());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /// Adds to accelerations what balances the forces on the unknowns.
 PetscErrorCode MovingBody::solve_for_acceleration(std::vector<double> *acceleration) const {
   Mat mass = scene_.hessian;

@@ -36,6 +36,10 @@ class MovingBody {
   /// be finite. The scene's Hessian is lost.
   PetscErrorCode accelerate();
 
+  /// Instead of start(): goes on from the states of a run that was saved, the last of which is the
+  /// scene's displacement. Collective.
+  PetscErrorCode go_on(double time, Motion state, Motion previous, double previous_step);
+
   /// Begins the step to a time, or begins it anew with another length: moves what is held, sets the
   /// loads, tells the terms. The unknowns stay where the last step left them. Collective.
   PetscErrorCode begin_step(double length, double time);

@@ -143,10 +143,12 @@ std::vector<OptionRow> solve_rows(SceneOptions &options) {
        "Start: at rest; prescribed displacements spread (harmonic), then as rigid as possible "
        "(arap); auto: arap, but harmonic where a material is nearly incompressible",
        "",
-       {"auto", "rest", "harmonic", "arap", "expression"}},
+       {"auto", "rest", "harmonic", "arap", "expression", "file"}},
       {"initial_steps", &options.initial_steps, "Local/global steps of -initial arap"},
       {"initial_displacement", &options.initial_displacement,
        "What -initial expression starts from, in x y z xmin..zmax", length},
+      {"initial_file", &options.initial_file,
+       "What -initial file starts from: output of Trefoil (.xdmf, .h5, .vtu), or a checkpoint"},
       {"where_tolerance", &options.where_tolerance,
        "What ==, <= and >= of every `where` may be off", "share of the box's diagonal"},
       {"check", &options.check, "Build the scene, say what it holds, solve nothing; also --check"},
@@ -220,6 +222,21 @@ std::vector<OptionRow> output_rows(SceneOptions &options) {
   };
 }
 
+std::vector<OptionRow> checkpoint_rows(CheckpointOptions &checkpoint) {
+  return {
+      {"checkpoint", &checkpoint.file,
+       "File (HDF5) that a run can go on from, also written at the end, on SIGUSR1, and on "
+       "SIGTERM, "
+       "which ends the run"},
+      {"checkpoint_every", &checkpoint.every, "Written each so many iterations, in time steps"},
+      {"checkpoint_seconds", &checkpoint.seconds,
+       "Written each so many seconds; 0: never (60 where -checkpoint_every is not given)",
+       "seconds"},
+      {"restart", &checkpoint.restart_file,
+       "Go on from a checkpoint of the same scene, on any number of ranks"},
+  };
+}
+
 std::vector<OptionRow> solver_rows(SceneOptions &options) {
   return {
       {"snes_trefoil_space",
@@ -262,6 +279,7 @@ std::vector<OptionGroup> scene_option_groups() {
                           obstacle_rows(obstacle)})},
       {"Solve", joined({solve_rows(options), time_rows(options.time)})},
       {"Output", joined({output_rows(options), {names_row("probes", none)}, probe_rows(probe)})},
+      {"Checkpoints", checkpoint_rows(options.checkpoint)},
   };
 }
 

@@ -17,6 +17,7 @@ std::vector<OptionRow> load_rows(LoadOptions &load);
 std::vector<OptionRow> solve_rows(SceneOptions &options);
 std::vector<OptionRow> output_rows(SceneOptions &options);
 std::vector<OptionRow> time_rows(TimeOptions &time);
+std::vector<OptionRow> checkpoint_rows(CheckpointOptions &checkpoint);
 std::vector<OptionRow> probe_rows(ProbeOptions &probe);
 /// Read here as well, though they are the solver's, who lists them.
 std::vector<OptionRow> solver_rows(SceneOptions &options);

@@ -135,10 +135,12 @@ PetscErrorCode check_files(MPI_Comm comm, const SceneOptions &options) {
   PetscFunctionBeginUser;
   std::vector<std::string> taken = options.scene_files;
   taken.push_back(options.mesh_file);
+  taken.push_back(options.initial_file);
   std::vector<std::pair<std::string, std::string>> written{
       {"mesh_write", options.mesh_write},
       {"output_csv", options.csv_file},
-      {"snes_trefoil_record", options.record_file}};
+      {"snes_trefoil_record", options.record_file},
+      {"checkpoint", options.checkpoint.file}};
   if (!options.contact.iterates.empty()) {
     for (const std::string &file : files_of_output(options.contact.iterates)) {
       written.emplace_back("contact_iterates", file);
@@ -168,12 +170,37 @@ PetscErrorCode check_start(MPI_Comm comm, const SceneOptions &options) {
              options.initial == "expression"
                  ? "-initial expression needs -initial_displacement: three expressions"
                  : "-initial_displacement is for -initial expression");
+  PetscCheck((options.initial == "file") == !options.initial_file.empty(), comm,
+             PETSC_ERR_USER_INPUT,
+             options.initial == "file"
+                 ? "-initial file needs -initial_file: what Trefoil has written, or a checkpoint"
+                 : "-initial_file is for -initial file");
   PetscCheck(options.initial_steps >= 0, comm, PETSC_ERR_USER_INPUT,
              "-initial_steps must not be negative");
   PetscCall(PetscOptionsHasName(nullptr, nullptr, "-initial_steps", &has_steps));
   const std::string initial = choose_initial(options);
   PetscCheck(!has_steps || initial == "arap", comm, PETSC_ERR_USER_INPUT,
              "-initial_steps is for -initial arap; the start is '%s'", initial.c_str());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode check_checkpoint(MPI_Comm comm, const SceneOptions &options) {
+  const CheckpointOptions &checkpoint = options.checkpoint;
+  PetscFunctionBeginUser;
+  PetscCheck(checkpoint.every >= 0 && checkpoint.seconds.value_or(0) >= 0, comm,
+             PETSC_ERR_USER_INPUT,
+             "-checkpoint_every (%" PetscInt_FMT
+             ") and -checkpoint_seconds (%g) must not be "
+             "negative",
+             checkpoint.every, checkpoint.seconds.value_or(0));
+  PetscCheck(!checkpoint.file.empty() || (checkpoint.every == 0 && !checkpoint.seconds), comm,
+             PETSC_ERR_USER_INPUT,
+             "-checkpoint_every and -checkpoint_seconds say when; say where as well, -checkpoint "
+             "run.ckpt");
+  PetscCheck(checkpoint.restart_file.empty() || options.initial != "file", comm,
+             PETSC_ERR_USER_INPUT,
+             "-restart and -initial file both say what to start from; -restart goes on with a run, "
+             "-initial file begins another one: give one");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -210,6 +237,7 @@ PetscErrorCode check_values(MPI_Comm comm, const SceneOptions &options) {
   PetscCheck(options.output_every == 1 || has_series(options), comm, PETSC_ERR_USER_INPUT,
              "-output_every is for steps: with one solve there is one state");
   PetscCall(check_start(comm, options));
+  PetscCall(check_checkpoint(comm, options));
   PetscCall(check_files(comm, options));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -240,6 +268,7 @@ PetscErrorCode read_scene_options(MPI_Comm comm, SceneOptions *options) {
   PetscCall(read_time(comm, reader, &options->time));
   options->loads.is_in_time = options->time.is_on;
   PetscCall(reader.read(output_rows(*options)));
+  PetscCall(reader.read(checkpoint_rows(options->checkpoint)));
   PetscCall(read_probes(comm, reader, options));
   PetscCall(reader.read(solver_rows(*options)));
   PetscCall(refuse_unknown(comm, reader.known()));

@@ -2,6 +2,7 @@
 
 #include <petscsys.h>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -54,6 +55,18 @@ struct ProbeOptions {
   std::string place = {};  ///< formula with a value for each dimension, at rest
 };
 
+/// What a run leaves behind so that another can go on from there.
+struct CheckpointOptions {
+  std::string file;               ///< empty: none
+  PetscInt every = 0;             ///< iterations, in time steps; 0: by time alone
+  std::optional<double> seconds;  ///< from one to the next; 0: never
+  std::string restart_file;       ///< goes on from there; empty: begins at the beginning
+
+  static constexpr double usual_seconds = 60;
+  /// Between two checkpoints; 0: time does not count.
+  [[nodiscard]] double interval() const { return seconds.value_or(every > 0 ? 0 : usual_seconds); }
+};
+
 /// What pulls at the body.
 struct LoadsOptions {
   std::string gravity = {};  ///< formula with a value for each dimension: acceleration; empty: none
@@ -80,6 +93,7 @@ struct SceneOptions {
   double least_load_step = 1. / 1024;  ///< below which none is halved
   std::string initial = "auto";
   std::string initial_displacement;  ///< expression, for initial `expression`
+  std::string initial_file;          ///< with a displacement, for initial `file`
   PetscInt initial_steps = 20;       ///< local/global steps of arap
   TimeOptions time;
   std::string filter_space = "element";  ///< -snes_trefoil_space, which the element term reads
@@ -90,6 +104,7 @@ struct SceneOptions {
   std::vector<std::string> output_fields;  ///< empty: see default_fields()
   PetscInt output_every = 1;               ///< of a series: each so many states, and the last
   std::string csv_file;                    ///< results as a table
+  CheckpointOptions checkpoint;
   std::vector<ProbeOptions> probes;
   std::string record_file;  ///< -snes_trefoil_record; the program completes and writes it
   std::vector<std::string> scene_files;  ///< what the program has read: not to be written over

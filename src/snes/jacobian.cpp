@@ -62,7 +62,7 @@ PetscErrorCode record_foreign_iteration(Solver &solver, Vec x) {
 PetscErrorCode choose_weight(Solver &solver, double *weight) {
   const IterationRecord *lesson = solver.record.last_lesson();
   PetscFunctionBeginUser;
-  if (!lesson && solver.options.search.goes_on && solver.last_lesson) lesson = &*solver.last_lesson;
+  if (!lesson && solver.goes_on && solver.last_lesson) lesson = &*solver.last_lesson;
   *weight = 0;
   if (!solver.driven || !solver.uses_hessian()) PetscFunctionReturn(PETSC_SUCCESS);
   if (solver.jacobian.imposed_weight) {

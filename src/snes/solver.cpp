@@ -74,7 +74,9 @@ PetscErrorCode Solver::begin_solve() {
   jacobian_is_new = proxy_is_formed = false;
   energy.begin_solve();
   // A split callback knows no Dirichlet rows.
-  PetscCall(memory.begin_solve(options.search, !split_jacobian));
+  if (!resumes) PetscCall(memory.begin_solve(options.search, !split_jacobian));
+  goes_on = resumes || options.search.goes_on;
+  resumes = false;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

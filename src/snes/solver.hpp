@@ -50,7 +50,10 @@ struct Solver {
   SolveRecord record;
   /// The last step of the last solve, for rules that go on from there.
   std::optional<IterationRecord> last_lesson;
-  std::string json;  ///< the record of the last finished solve
+  /// Where the next solve goes on from what is remembered, of another run even.
+  bool resumes = false;
+  bool goes_on = false;  ///< in this solve: rules learn from the last lesson
+  std::string json;      ///< the record of the last finished solve
 
   /// Begins a solve unless one is running.
   PetscErrorCode begin_solve();
@@ -75,6 +78,9 @@ struct Solver {
 
 /// The solver of `snes`, made when first asked for.
 PetscErrorCode get_solver(SNES snes, Solver **solver);
+
+/// An iteration in the words of trefoil.h.
+TrefoilIteration as_hosts_see(const IterationRecord &iteration);
 
 /// Whether our line search, and thus the rule, drives this SNES.
 PetscErrorCode is_driven(SNES snes, bool *driven);

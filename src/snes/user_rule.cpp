@@ -3,6 +3,7 @@
 #include <string>
 
 #include "rule/rule.hpp"
+#include "snes/solver.hpp"
 #include "support/petsc_compatibility.hpp"
 #include "trefoil.h"
 
@@ -18,8 +19,7 @@ class UserRule final : public Rule {
   double first() override { return ask(nullptr); }
 
   double next(const IterationRecord &last) override {
-    const TrefoilIteration iteration{last.k,    last.energy, last.weight,    last.rho,
-                                     last.step, last.trials, last.decrement, last.indefinite};
+    const TrefoilIteration iteration = as_hosts_see(last);
     return ask(&iteration);
   }
 

@@ -2,6 +2,7 @@
 
 #include <sstream>
 
+#include "scene/initial_displacement.hpp"
 #include "solve/starting_guess.hpp"
 #include "support/petsc_compatibility.hpp"
 
@@ -44,6 +45,7 @@ PetscErrorCode ContactPath::move_to(double time, std::string *blocked) {
   PetscFunctionBeginUser;
   blocked->clear();
   solves_ = 1;
+  lagged_.clear();
   PetscCall(scene_.contact->set_time(time));
   PetscCall(scene_.discretization.copy_local(scene_.displacement, &u));
   PetscCall(scene_.contact->find_allowed_motion(stand_.data(), time_, u.data(), time, &motion));
@@ -132,6 +134,7 @@ PetscErrorCode ContactPath::repeats(PetscInt iterations, bool *again) {
   ++solves_;
   PetscCall(scene_.discretization.copy_local(scene_.displacement, &u));
   PetscCall(scene_.contact->lag_friction(u.data()));
+  lagged_.swap(u);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -148,7 +151,45 @@ PetscErrorCode ContactPath::accept(double time, std::string *broken) {
   broken->clear();
   time_ = time;
   stand_.swap(u);
+  lagged_.clear();
   PetscCall(VecCopy(scene_.displacement, unknowns_));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void ContactPath::save(SavedRun *run) const {
+  run->numbers["contact"] = {{"time", time_},
+                             {"stiffening", scene_.contact->stiffening_of_step()},
+                             {"solves", solves_},
+                             {"lags", !lagged_.empty()}};
+  run->fields["contact_stand"] = stand_;
+  if (!lagged_.empty()) run->fields["contact_lag"] = lagged_;
+}
+
+PetscErrorCode ContactPath::go_on(const Checkpoint &checkpoint) {
+  double stiffening = 1;
+  PetscFunctionBeginUser;
+  PetscCall(checkpoint.take([&](const Checkpoint::Json &numbers) {
+    time_ = numbers.at("contact").at("time");
+    stiffening = numbers.at("contact").at("stiffening");
+  }));
+  PetscCall(checkpoint.fetch("contact_stand", &stand_));
+  PetscCall(VecDuplicate(scene_.displacement, &unknowns_));
+  PetscCall(set_unknowns(stand_, scene_.discretization, unknowns_));
+  PetscCall(scene_.contact->go_on(stand_.data(), time_, stiffening));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode ContactPath::go_on_in_step(const Checkpoint &checkpoint, double time) {
+  bool lags = false;
+  PetscFunctionBeginUser;
+  PetscCall(checkpoint.take([&](const Checkpoint::Json &numbers) {
+    solves_ = numbers.at("contact").at("solves");
+    lags = numbers.at("contact").at("lags");
+  }));
+  PetscCall(scene_.contact->set_time(time));
+  if (!lags) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(checkpoint.fetch("contact_lag", &lagged_));
+  PetscCall(scene_.contact->lag_friction(lagged_.data()));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

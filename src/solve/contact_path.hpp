@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "scene/scene.hpp"
+#include "solve/checkpoint.hpp"
 
 namespace trefoil {
 
@@ -35,15 +36,23 @@ class ContactPath {
   /// intersect, which the exact test says; it is not taken then
   PetscErrorCode accept(double time, std::string *broken);
 
+  /// Adds the last equilibrium, and where friction lags within a step, to what is saved.
+  void save(SavedRun *run) const;
+  /// Instead of begin(): goes on from it. Collective.
+  PetscErrorCode go_on(const Checkpoint &checkpoint);
+  /// Goes on within the step to `time`, whose way has been checked before. Collective.
+  PetscErrorCode go_on_in_step(const Checkpoint &checkpoint, double time);
+
  private:
   PetscErrorCode predict(const std::vector<double> &target, double time, double share);
   PetscErrorCode hold_between(const std::vector<double> &target, double time, double at);
 
   Scene &scene_;
   double time_ = 0;
-  std::vector<double> stand_;  ///< local displacements of the last equilibrium, held ones too
-  Vec unknowns_ = nullptr;     ///< the same as unknowns
-  int solves_ = 0;             ///< in this step
+  std::vector<double> stand_;   ///< local displacements of the last equilibrium, held ones too
+  Vec unknowns_ = nullptr;      ///< the same as unknowns
+  int solves_ = 0;              ///< in this step
+  std::vector<double> lagged_;  ///< from where friction has its forces; empty: from stand_
 };
 
 }  // namespace trefoil

@@ -107,6 +107,30 @@ PetscErrorCode LoadPath::go_back() {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode LoadPath::save(const Checkpoint &checkpoint, SavedRun *run) const {
+  PetscFunctionBeginUser;
+  run->numbers["stands"] = has_stand();
+  run->numbers["time_of_stand"] = time_of_stand_;
+  if (has_stand()) PetscCall(checkpoint.keep(stand_, "stand", false, run));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode LoadPath::go_on(const Checkpoint &checkpoint, bool follows, GuessCost *cost) {
+  bool stands = false;
+  double time = 0;
+  PetscFunctionBeginUser;
+  PetscCall(checkpoint.take([&](const Checkpoint::Json &numbers) {
+    stands = numbers.at("stands");
+    time = numbers.at("time_of_stand");
+  }));
+  if (!stands) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(set_time(time));
+  if (follows || scene_.options.initial != "rest") PetscCall(follow(cost));
+  PetscCall(checkpoint.fetch("stand", scene_.displacement));
+  PetscCall(accept());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode choose_load_steps(Scene *scene) {
   PetscBool given = PETSC_FALSE;
   bool changes = false;

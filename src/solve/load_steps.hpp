@@ -1,6 +1,7 @@
 #pragma once
 
 #include "scene/scene.hpp"
+#include "solve/checkpoint.hpp"
 #include "solve/starting_guess.hpp"
 
 namespace trefoil {
@@ -37,6 +38,12 @@ class LoadPath {
   /// Back to the last equilibrium that stands; where there is none yet, to the body at rest.
   /// Collective.
   PetscErrorCode go_back();
+
+  /// Adds the last equilibrium that stands, where there is one, to what is saved. Collective.
+  PetscErrorCode save(const Checkpoint &checkpoint, SavedRun *run) const;
+  /// Goes on from it. Collective.
+  /// @param follows whether unknowns will follow, also with start `rest`
+  PetscErrorCode go_on(const Checkpoint &checkpoint, bool follows, GuessCost *cost);
 
   /// Whether an equilibrium stands.
   [[nodiscard]] bool has_stand() const { return stand_ != nullptr; }

@@ -3,157 +3,24 @@
 #include <petsctime.h>
 
 #include <cmath>
-#include <sstream>
+#include <memory>
+#include <utility>
 #include <vector>
 
-#include "solve/load_steps.hpp"
-#include "solve/run_record.hpp"
-#include "solve/scene_solver.hpp"
-#include "solve/step_sizes.hpp"
+#include "solve/loose_path.hpp"
+#include "solve/saved_numbers.hpp"
 #include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
 namespace {
 
-constexpr double first_step = 1. / 3, least_step = first_step / 8;
-constexpr double hard_share = 0.005;          // of the elements: inverted by the guess of a leap
-constexpr double folded_share = 0.01;         // the same where a step starts
-constexpr double loose = 0.1, nearly = 1e-3;  // energy tolerances
-
-/// One solve, as the plugin recorded it.
-struct SolveRecord {
-  std::string json;
-  int load_step = 1;
-  bool is_rejected = false;
-};
-
-bool is_above(PetscInt64 count, double share, const Scene &scene) {
-  return static_cast<double>(count) > share * static_cast<double>(scene.mesh.total_cells);
-}
-
-/// A path of loose steps, as it is walked. The scene is left at its end, or, where it has none, at
-/// the last state that stands.
-class Path {
- public:
-  Path(Scene &scene, double begin, SolveOutcome *outcome)
-      : scene_(scene),
-        begin_(begin),
-        outcome_(outcome),
-        comm_(PetscObjectComm(reinterpret_cast<PetscObject>(scene.mesh.dm))),
-        sizes_(StepSizes::adaptive(first_step, least_step)),
-        path_(scene) {}
-
-  /// From any displacement.
-  /// @param bound the path is given up where its end is nearly reached and not below this energy
-  /// @param end how the last solve went; it converged if the path has arrived
-  PetscErrorCode go(const StateObserver &observe, double bound, Attempt *end);
-  [[nodiscard]] bool has_arrived() const { return sizes_.is_done(); }
-  [[nodiscard]] const std::vector<SolveRecord> &records() const { return records_; }
-
- private:
-  PetscErrorCode start(double time, Attempt *attempt, bool *is_folded);
-  PetscErrorCode solve(double tolerance, Attempt *attempt);
-  PetscErrorCode leads_below(double bound, Attempt *attempt, bool *below);
-  PetscErrorCode halve(double time, const Attempt &attempt, bool *goes_on);
-  void record(const Attempt &attempt, bool is_rejected);
-
-  Scene &scene_;
-  double begin_;
-  SolveOutcome *outcome_;
-  MPI_Comm comm_;
-  StepSizes sizes_;
-  LoadPath path_;
-  std::vector<SolveRecord> records_;
-};
-
-void Path::record(const Attempt &attempt, bool is_rejected) {
-  if (attempt.record.empty()) return;
-  outcome_->linear_solver = attempt.linear_solver;
-  records_.push_back({attempt.record, sizes_.accepted() + 1, is_rejected});
-}
-
-/// @param is_folded whether a shorter step should be taken instead
-PetscErrorCode Path::start(double time, Attempt *attempt, bool *is_folded) {
-  PetscInt64 folded = 0;
-  std::ostringstream text;
-  PetscFunctionBeginUser;
-  text << "path to t = " << time << (time < 1 ? ", loosely" : "");
-  PetscCall(PetscPrintf(comm_, "%s\n", text.str().c_str()));
-  PetscCall(path_.follow_to(time, &outcome_->guess));
-  PetscCall(scene_.functional->count_inverted(scene_.displacement, &folded));
-  *is_folded = is_above(folded, folded_share, scene_) && sizes_.can_halve();
-  if (*is_folded) {
-    attempt->reason = std::to_string(folded) + " elements are inverted where it starts";
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode Path::solve(double tolerance, Attempt *attempt) {
-  PetscLogDouble now = 0;
-  PetscFunctionBeginUser;
-  *attempt = {};
-  PetscCall(PetscTime(&now));
-  PetscCall(solve_from_start(scene_, {now - begin_, true, tolerance}, *outcome_, attempt));
-  record(*attempt, !attempt->converged);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/// Solves at t = 1 nearly to the end, where what is left is less than what would count.
-PetscErrorCode Path::leads_below(double bound, Attempt *attempt, bool *below) {
-  EnergySums end;
-  PetscFunctionBeginUser;
-  PetscCall(solve(nearly, attempt));
-  PetscCall(scene_.functional->energy(scene_.displacement, &end));
-  *below = attempt->converged && end.energy < bound;
-  if (attempt->converged && !*below) {
-    PetscCall(PetscPrintf(comm_, "the path leads to no lower energy\n"));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode Path::halve(double time, const Attempt &attempt, bool *goes_on) {
-  std::ostringstream text;
-  PetscFunctionBeginUser;
-  PetscCall(path_.go_back());
-  *goes_on = sizes_.halve();
-  text << "the step to t = " << time << (*goes_on ? " is halved: " : " fails: ") << attempt.reason;
-  PetscCall(PetscPrintf(comm_, "%s\n", text.str().c_str()));
-  if (*goes_on) ++outcome_->path_halvings;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode Path::go(const StateObserver &observe, double bound, Attempt *end) {
-  bool goes_on = true;
-  PetscFunctionBeginUser;
-  PetscCall(path_.go_back());
-  while (!sizes_.is_done() && goes_on) {
-    const double time = sizes_.next();
-    bool is_folded = false;
-    *end = {};
-    PetscCall(start(time, end, &is_folded));
-    if (time == 1 && !is_folded && std::isfinite(bound)) {
-      PetscCall(leads_below(bound, end, &goes_on));
-      if (end->converged && !goes_on) break;
-      goes_on = true;
-      is_folded = !end->converged;
-    }
-    if (!is_folded) PetscCall(solve(time < 1 ? loose : 0, end));
-    if (!end->converged) {
-      PetscCall(halve(time, *end, &goes_on));
-      continue;
-    }
-    PetscCall(path_.accept());
-    sizes_.accept(false);
-    if (time < 1) PetscCall(observe(time, end->iterations, true));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
+constexpr double hard_share = 0.005;  // of the elements: inverted by the guess of a leap
 
 /// A leap, a path, or both.
 class Tries {
  public:
-  Tries(Scene &scene, const StateObserver &observe, SolveOutcome *outcome)
-      : scene_(scene), observe_(observe), outcome_(outcome) {}
+  Tries(Scene &scene, const StateObserver &observe, Checkpoint &checkpoint, SolveOutcome *outcome)
+      : scene_(scene), observe_(observe), checkpoint_(checkpoint), outcome_(outcome) {}
   Tries(const Tries &) = delete;
   Tries &operator=(const Tries &) = delete;
   ~Tries() { static_cast<void>(VecDestroy(&end_of_leap_)); }
@@ -161,14 +28,25 @@ class Tries {
   PetscErrorCode go();
 
  private:
+  /// What is under way.
+  enum class Stage { leap, path, leap_behind_path };
+
+  PetscErrorCode save(SavedRun *run) const;
+  PetscErrorCode go_on();
   PetscErrorCode leap();
+  PetscErrorCode find_bound();
   PetscErrorCode take_path();
   PetscErrorCode return_to_leap();
   void join();
 
   Scene &scene_;
   const StateObserver &observe_;
+  Checkpoint &checkpoint_;
   SolveOutcome *outcome_;
+  Stage stage_ = Stage::leap;
+  bool goes_on_ = false;             ///< within what was saved
+  std::unique_ptr<LoosePath> path_;  ///< where it is under way
+  double bound_ = INFINITY;          ///< the energy of the leap's end, which a path has to beat
   PetscLogDouble begin_ = 0;
   Attempt attempt_;            ///< the one that counts, so far
   Vec end_of_leap_ = nullptr;  ///< null: it was not tried
@@ -176,11 +54,44 @@ class Tries {
   std::vector<SolveRecord> leap_records_, path_records_;
 };
 
+PetscErrorCode Tries::save(SavedRun *run) const {
+  PetscFunctionBeginUser;
+  run->numbers["stage"] = static_cast<int>(stage_);
+  run->numbers["bound"] = bound_;
+  run->numbers["leap"] = json_of(attempt_);
+  run->numbers["leap_records"] = json_of(leap_records_);
+  run->numbers["path_records"] = json_of(path_records_);
+  save_start(*outcome_, run);
+  if (path_) PetscCall(path_->save(run));
+  if (path_ && end_of_leap_) PetscCall(checkpoint_.keep(end_of_leap_, "end_of_leap", false, run));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Tries::go_on() {
+  PetscFunctionBeginUser;
+  goes_on_ = true;
+  PetscCall(checkpoint_.take([&](const Checkpoint::Json &numbers) {
+    stage_ = static_cast<Stage>(numbers.at("stage").get<int>());
+    bound_ = numbers.at("bound").is_null() ? INFINITY : numbers.at("bound").get<double>();
+    attempt_ = attempt_of(numbers.at("leap"));
+    leap_records_ = records_of(numbers.at("leap_records"));
+    path_records_ = records_of(numbers.at("path_records"));
+  }));
+  outcome_->path_is_rejected = stage_ == Stage::leap_behind_path;
+  PetscCall(load_start(checkpoint_, outcome_));
+  if (!std::isfinite(bound_)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(VecDuplicate(scene_.displacement, &end_of_leap_));
+  PetscCall(checkpoint_.fetch("end_of_leap", end_of_leap_));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode Tries::leap() {
   PetscLogDouble now = 0;
   PetscFunctionBeginUser;
   PetscCall(PetscTime(&now));
-  PetscCall(solve_from_start(scene_, {now - begin_}, *outcome_, &attempt_));
+  const AttemptOptions how{
+      .head_start = now - begin_, .goes_on = std::exchange(goes_on_, false), .is_last = true};
+  PetscCall(solve_from_start(scene_, how, checkpoint_, *outcome_, &attempt_));
   outcome_->linear_solver = attempt_.linear_solver;
   leap_records_.push_back({attempt_.record, 1, false});
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -194,27 +105,39 @@ PetscErrorCode Tries::return_to_leap() {
     PetscCall(VecCopy(end_of_leap_, scene_.displacement));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
+  stage_ = Stage::leap_behind_path;
   PetscCall(VecSet(scene_.displacement, 0));
   PetscCall(make_start(scene_, outcome_));
   PetscCall(leap());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// Of a leap that was taken.
+PetscErrorCode Tries::find_bound() {
+  EnergySums of_leap;
+  PetscFunctionBeginUser;
+  if (leap_records_.empty()) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(VecDuplicate(scene_.displacement, &end_of_leap_));
+  PetscCall(VecCopy(scene_.displacement, end_of_leap_));
+  PetscCall(scene_.functional->energy(end_of_leap_, &of_leap));
+  bound_ = of_leap.energy;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode Tries::take_path() {
-  Path path(scene_, begin_, outcome_);
-  double bound = INFINITY;
   Attempt end;
   PetscFunctionBeginUser;
-  if (!leap_records_.empty()) {
-    EnergySums of_leap;
-    PetscCall(VecDuplicate(scene_.displacement, &end_of_leap_));
-    PetscCall(VecCopy(scene_.displacement, end_of_leap_));
-    PetscCall(scene_.functional->energy(end_of_leap_, &of_leap));
-    bound = of_leap.energy;
+  stage_ = Stage::path;
+  path_ = std::make_unique<LoosePath>(scene_, begin_, checkpoint_, outcome_);
+  if (std::exchange(goes_on_, false)) {
+    PetscCall(path_->go_on());
+  } else {
+    PetscCall(find_bound());
   }
-  PetscCall(path.go(observe_, bound, &end));
-  path_records_ = path.records();
-  path_counts_ = path.has_arrived();
+  PetscCall(path_->go(observe_, bound_, &end));
+  path_records_ = path_->records();
+  path_counts_ = path_->has_arrived();
+  path_.reset();
   if (path_counts_) {
     attempt_ = end;
   } else {
@@ -241,10 +164,16 @@ void Tries::join() {
 PetscErrorCode Tries::go() {
   PetscFunctionBeginUser;
   PetscCall(PetscTime(&begin_));
-  PetscCall(make_start(scene_, outcome_));
-  const bool is_hard = is_above(outcome_->inverted_at_start, hard_share, scene_);
-  if (!is_hard) PetscCall(leap());
-  if (is_hard || (attempt_.converged && attempt_.inverted > 0)) PetscCall(take_path());
+  checkpoint_.save_way([this](SavedRun *run) { return save(run); });
+  if (checkpoint_.start()) {
+    PetscCall(go_on());
+  } else {
+    PetscCall(make_start(scene_, outcome_));
+    if (is_above(outcome_->inverted_at_start, hard_share, scene_)) stage_ = Stage::path;
+  }
+  if (stage_ != Stage::path) PetscCall(leap());
+  const bool is_folded = stage_ == Stage::leap && attempt_.converged && attempt_.inverted > 0;
+  if (stage_ == Stage::path || is_folded) PetscCall(take_path());
   outcome_->converged = attempt_.converged;
   if (attempt_.converged) PetscCall(observe_(1, attempt_.iterations, false));
   join();
@@ -265,9 +194,9 @@ PetscErrorCode may_take_path(const SceneOptions &options, bool *may) {
 }
 
 PetscErrorCode solve_by_leap_or_path(Scene &scene, const StateObserver &observe,
-                                     SolveOutcome *outcome) {
+                                     Checkpoint &checkpoint, SolveOutcome *outcome) {
   PetscFunctionBeginUser;
-  PetscCall(Tries(scene, observe, outcome).go());
+  PetscCall(Tries(scene, observe, checkpoint, outcome).go());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -22,6 +22,6 @@ PetscErrorCode may_take_path(const SceneOptions &options, bool *may);
 /// @param observe loose states are observed as well; the end is the last
 /// Collective.
 PetscErrorCode solve_by_leap_or_path(Scene &scene, const StateObserver &observe,
-                                     SolveOutcome *outcome);
+                                     Checkpoint &checkpoint, SolveOutcome *outcome);
 
 }  // namespace trefoil

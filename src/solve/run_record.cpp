@@ -37,6 +37,26 @@ void RunRecord::add(const std::string &text, int number, bool is_rejected) {
   last_ = std::move(record);
 }
 
+RunRecord::Json RunRecord::save() const {
+  return {{"only", only_},
+          {"solves", solves_},
+          {"last_number", last_number_},
+          {"any_rejected", any_rejected_},
+          {"last", last_},
+          {"history", history_},
+          {"iterations", iterations_}};
+}
+
+void RunRecord::load(const Json &json) {
+  only_ = json.at("only");
+  solves_ = json.at("solves");
+  last_number_ = json.at("last_number");
+  any_rejected_ = json.at("any_rejected");
+  last_ = json.at("last");
+  history_ = json.at("history");
+  iterations_ = json.at("iterations");
+}
+
 std::string RunRecord::text() const {
   if (solves_ == 0) return "";
   if (solves_ == 1 && !any_rejected_) return only_;

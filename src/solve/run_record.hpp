@@ -2,8 +2,16 @@
 
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 namespace trefoil {
+
+/// One solve, as the plugin recorded it.
+struct SolveRecord {
+  std::string json;
+  int load_step = 1;
+  bool is_rejected = false;
+};
 
 /// The plugin's records of several solves, one after the other, as one in the form of each:
 /// iterations, solves, trials, saddles and times added up, the histories in a row, whose entries
@@ -22,9 +30,13 @@ class RunRecord {
   /// JSON; empty where nothing was added.
   [[nodiscard]] std::string text() const;
 
- private:
   using Json = nlohmann::ordered_json;
+  /// What has been added, for a run that goes on later.
+  [[nodiscard]] Json save() const;
+  /// @param json of save(); what is missing there is an exception of nlohmann's
+  void load(const Json &json);
 
+ private:
   std::string step_;
   std::string only_;  ///< the record of the only solve
   int solves_ = 0;

@@ -5,6 +5,7 @@
 
 #include "scene/initial_displacement.hpp"
 #include "scene/unknown_options.hpp"
+#include "solve/saved_numbers.hpp"
 #include "solve/set_linear_solver.hpp"
 #include "solve/solver_help.hpp"
 #include "solve/start_check.hpp"
@@ -151,6 +152,63 @@ PetscErrorCode SceneSolver::loosen(double energy_tolerance) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// A monitor. Before the first step there is nothing to be saved but the start.
+PetscErrorCode SceneSolver::pass_iteration(SNES, PetscInt iteration, PetscReal, void *context) {
+  auto &solver = *static_cast<SceneSolver *>(context);
+  Checkpoint::Part solve;
+  PetscFunctionBeginUser;
+  if (solver.saves_iterate_) {
+    solve = [&](SavedRun *run) { return solver.save(*solver.checkpoint_, run); };
+  }
+  PetscCall(solver.checkpoint_->pass(solver.saves_iterate_ && iteration > 0, solve));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode SceneSolver::watch(Checkpoint &checkpoint, bool saves_iterate) {
+  PetscFunctionBeginUser;
+  if (!checkpoint.is_on()) PetscFunctionReturn(PETSC_SUCCESS);
+  checkpoint_ = &checkpoint;
+  saves_iterate_ = saves_iterate;
+  PetscCall(SNESMonitorSet(snes_, pass_iteration, this, nullptr));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode SceneSolver::save(const Checkpoint &checkpoint, SavedRun *run) const {
+  TrefoilSearchState state;
+  PetscFunctionBeginUser;
+  PetscCall(TrefoilSNESGetSearchState(snes_, &state));
+  PetscCall(checkpoint.keep(scene_.displacement, "displacement", false, run));
+  run->numbers["search"] = json_of(state);
+  if (state.previous_step) {
+    PetscCall(checkpoint.keep(state.previous_step, "previous_step", true, run));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode SceneSolver::describe_search(Checkpoint::Json *numbers) const {
+  TrefoilSearchState state;
+  PetscFunctionBeginUser;
+  PetscCall(TrefoilSNESGetSearchState(snes_, &state));
+  *numbers = json_of(state);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode SceneSolver::go_on(const Checkpoint &checkpoint) {
+  TrefoilSearchState state{};
+  Vec previous = nullptr;
+  PetscFunctionBeginUser;
+  PetscCall(checkpoint.take(
+      [&](const Checkpoint::Json &numbers) { state = search_state_of(numbers.at("search")); }));
+  if (checkpoint.start()->fields.count("previous_step")) {
+    PetscCall(VecDuplicate(scene_.displacement, &previous));
+    PetscCall(checkpoint.fetch("previous_step", previous));
+    state.previous_step = previous;
+  }
+  PetscCall(TrefoilSNESSetSearchState(snes_, &state));
+  PetscCall(VecDestroy(&previous));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode SceneSolver::solve(Attempt *attempt) {
   const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(snes_));
   const char *record = nullptr;
@@ -176,12 +234,18 @@ PetscErrorCode SceneSolver::solve(Attempt *attempt) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode solve_from_start(Scene &scene, const AttemptOptions &options,
+PetscErrorCode solve_from_start(Scene &scene, const AttemptOptions &options, Checkpoint &checkpoint,
                                 const SolveOutcome &outcome, Attempt *attempt) {
   SceneSolver solver(scene);
   EnergySums start;
   PetscFunctionBeginUser;
   PetscCall(solver.set_up(outcome, options.head_start));
+  PetscCall(solver.watch(checkpoint, true));
+  if (options.goes_on) {
+    PetscCall(checkpoint.fetch("displacement", scene.displacement));
+    PetscCall(solver.go_on(checkpoint));
+    checkpoint.end_start();
+  }
   if (options.loose_tolerance > 0) PetscCall(solver.loosen(options.loose_tolerance));
   PetscCall(scene.functional->energy(scene.displacement, &start));
   if (options.may_fail && !std::isfinite(start.energy)) {
@@ -190,6 +254,9 @@ PetscErrorCode solve_from_start(Scene &scene, const AttemptOptions &options,
   }
   PetscCall(check_start(scene, start.energy));
   PetscCall(solver.solve(attempt));
+  if (options.is_last && attempt->converged) {
+    PetscCall(checkpoint.save([&](SavedRun *run) { return solver.save(checkpoint, run); }));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -199,6 +266,11 @@ PetscErrorCode make_start(Scene &scene, SolveOutcome *outcome) {
   if (initial == "expression") {
     PetscCall(set_initial_displacement(scene.options.initial_displacement, scene.discretization,
                                        scene.displacement));
+  } else if (initial == "file") {
+    std::vector<double> displacement;
+    PetscCall(
+        CheckpointFiles(scene.mesh).read_displacement(scene.options.initial_file, &displacement));
+    PetscCall(set_unknowns(std::move(displacement), scene.discretization, scene.displacement));
   } else if (initial != "rest") {
     PetscCall(spread_displacements(*scene.functional, scene.discretization, scene.matrix_of_cells(),
                                    initial == "arap" ? scene.options.initial_steps : 0,
@@ -206,6 +278,23 @@ PetscErrorCode make_start(Scene &scene, SolveOutcome *outcome) {
                                    scene.displacement, &outcome->guess));
   }
   PetscCall(scene.functional->count_inverted(scene.displacement, &outcome->inverted_at_start));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void save_start(const SolveOutcome &outcome, SavedRun *run) {
+  run->numbers["start"] = {{"linear_solves", outcome.guess.linear_solves},
+                           {"rotations", outcome.guess.rotations},
+                           {"inverted", outcome.inverted_at_start}};
+}
+
+PetscErrorCode load_start(const Checkpoint &checkpoint, SolveOutcome *outcome) {
+  PetscFunctionBeginUser;
+  PetscCall(checkpoint.take([&](const Checkpoint::Json &numbers) {
+    const auto &start = numbers.at("start");
+    outcome->guess.linear_solves = start.at("linear_solves");
+    outcome->guess.rotations = start.at("rotations");
+    outcome->inverted_at_start = start.at("inverted");
+  }));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

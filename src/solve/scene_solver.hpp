@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "solve/checkpoint.hpp"
 #include "solve/solve.hpp"
 
 namespace trefoil {
@@ -18,6 +19,10 @@ struct Attempt {
 
 /// The state that a scene's way starts from, as -initial says. Collective.
 PetscErrorCode make_start(Scene &scene, SolveOutcome *outcome);
+
+/// How the start came about, for a run that goes on.
+void save_start(const SolveOutcome &outcome, SavedRun *run);
+PetscErrorCode load_start(const Checkpoint &checkpoint, SolveOutcome *outcome);
 
 /// The SNES of a scene: its energy, the program's defaults, the user's options. One can solve again
 /// and again: matrices, what a linear solver knows of their pattern and the rule's weight are kept.
@@ -43,12 +48,26 @@ class SceneSolver {
     return expect_linear_solver(snes_, scene_.hessian, solver);
   }
 
+  /// Lets each iteration be a moment at which the run can be saved. Collective.
+  /// @param saves_iterate whether it is saved as it stands within a solve, and the moment counts
+  PetscErrorCode watch(Checkpoint &checkpoint, bool saves_iterate);
+  /// Adds the scene's displacement, and what the search knows, to what is saved. Collective.
+  PetscErrorCode save(const Checkpoint &checkpoint, SavedRun *run) const;
+  /// The numbers of what the search knows.
+  PetscErrorCode describe_search(Checkpoint::Json *numbers) const;
+  /// The next solve goes on with what the search knew. Collective.
+  PetscErrorCode go_on(const Checkpoint &checkpoint);
+
   /// Solves from the scene's displacement on, where the energy must be finite. Collective.
   PetscErrorCode solve(Attempt *attempt);
 
  private:
+  static PetscErrorCode pass_iteration(SNES snes, PetscInt iteration, PetscReal norm, void *solver);
+
   Scene &scene_;
   SNES snes_ = nullptr;
+  Checkpoint *checkpoint_ = nullptr;
+  bool saves_iterate_ = false;
 };
 
 /// How one solve is to go.
@@ -56,10 +75,12 @@ struct AttemptOptions {
   double head_start = 0;  ///< seconds that went before it
   bool may_fail = false;  ///< a start of infinite energy is a failure like others, not bad input
   double loose_tolerance = 0;  ///< > 0: see SceneSolver::loosen()
+  bool goes_on = false;        ///< within a solve that was saved
+  bool is_last = false;        ///< its end is saved
 };
 
 /// Solves from the scene's displacement on. Collective.
-PetscErrorCode solve_from_start(Scene &scene, const AttemptOptions &options,
+PetscErrorCode solve_from_start(Scene &scene, const AttemptOptions &options, Checkpoint &checkpoint,
                                 const SolveOutcome &outcome, Attempt *attempt);
 
 }  // namespace trefoil

@@ -3,6 +3,7 @@
 #include <petsctime.h>
 
 #include <sstream>
+#include <utility>
 
 #include "scene/initial_displacement.hpp"
 #include "scene/unknown_options.hpp"
@@ -10,6 +11,7 @@
 #include "solve/load_steps.hpp"
 #include "solve/path.hpp"
 #include "solve/run_record.hpp"
+#include "solve/saved_numbers.hpp"
 #include "solve/scene_solver.hpp"
 #include "solve/set_linear_solver.hpp"
 #include "solve/start_check.hpp"
@@ -29,9 +31,10 @@ StepSizes step_sizes_of(const SceneOptions &options) {
 /// The way from t = 0 to 1, step by step.
 class Walk {
  public:
-  Walk(Scene &scene, const StateObserver &observe, SolveOutcome *outcome)
+  Walk(Scene &scene, const StateObserver &observe, Checkpoint &checkpoint, SolveOutcome *outcome)
       : scene_(scene),
         observe_(observe),
+        checkpoint_(checkpoint),
         outcome_(outcome),
         comm_(PetscObjectComm(reinterpret_cast<PetscObject>(scene.mesh.dm))),
         sizes_(step_sizes_of(scene.options)),
@@ -42,21 +45,26 @@ class Walk {
 
  private:
   [[nodiscard]] bool has_steps() const { return sizes_.count() != 1; }
+  PetscErrorCode begin();
+  PetscErrorCode save(SavedRun *run) const;
+  PetscErrorCode go_on();
   PetscErrorCode say_step(double time) const;
   PetscErrorCode take_step(double time, Attempt *attempt);
-  PetscErrorCode follow_friction(double head_start, Attempt *attempt);
+  PetscErrorCode follow_friction(double head_start, bool is_last, Attempt *attempt);
   PetscErrorCode accept(double time, const Attempt &attempt);
   PetscErrorCode reject(double time, const Attempt &attempt, bool *goes_on);
   void record(const Attempt &attempt, bool is_rejected);
 
   Scene &scene_;
   const StateObserver &observe_;
+  Checkpoint &checkpoint_;
   SolveOutcome *outcome_;
   MPI_Comm comm_;
   StepSizes sizes_;
   LoadPath path_;
   ContactPath contact_;
-  bool is_broken_ = false;  ///< the last equilibrium was none: surfaces intersect in it
+  bool goes_on_in_step_ = false;  ///< in the solve that the run was saved in
+  bool is_broken_ = false;        ///< the last equilibrium was none: surfaces intersect in it
   RunRecord record_of_run_{"load_step"};
   PetscLogDouble begin_ = 0;
   PetscInt64 inverted_ = 0;  ///< elements, at the last equilibrium that stands
@@ -79,20 +87,26 @@ PetscErrorCode Walk::take_step(double time, Attempt *attempt) {
     PetscCall(say_step(time));
     PetscCall(path_.go_to(time, &outcome_->guess));
   }
-  if (!path_.has_stand()) PetscCall(make_start(scene_, outcome_));
+  if (!path_.has_stand() && !goes_on_in_step_) PetscCall(make_start(scene_, outcome_));
   PetscCall(PetscTime(&now));
   const double head_start = has_steps() ? now - begin_ : outcome_->guess.seconds;
-  if (contact_.exists()) {
+  if (contact_.exists() && goes_on_in_step_) {
+    PetscCall(contact_.go_on_in_step(checkpoint_, time));
+  } else if (contact_.exists()) {
     PetscCall(contact_.move_to(time, &attempt->reason));
     if (!attempt->reason.empty()) PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(solve_from_start(scene_, {head_start, sizes_.is_adaptive()}, *outcome_, attempt));
-  if (contact_.exists()) PetscCall(follow_friction(head_start, attempt));
+  const AttemptOptions how{.head_start = head_start,
+                           .may_fail = sizes_.is_adaptive(),
+                           .goes_on = std::exchange(goes_on_in_step_, false),
+                           .is_last = time == 1};
+  PetscCall(solve_from_start(scene_, how, checkpoint_, *outcome_, attempt));
+  if (contact_.exists()) PetscCall(follow_friction(head_start, time == 1, attempt));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /// Solves again with the friction of what was found, as often as the options want it.
-PetscErrorCode Walk::follow_friction(double head_start, Attempt *attempt) {
+PetscErrorCode Walk::follow_friction(double head_start, bool is_last, Attempt *attempt) {
   PetscFunctionBeginUser;
   while (attempt->converged) {
     bool again = false;
@@ -100,7 +114,8 @@ PetscErrorCode Walk::follow_friction(double head_start, Attempt *attempt) {
     if (!again) break;
     record(*attempt, false);
     *attempt = {};
-    PetscCall(solve_from_start(scene_, {head_start, true}, *outcome_, attempt));
+    const AttemptOptions how{.head_start = head_start, .may_fail = true, .is_last = is_last};
+    PetscCall(solve_from_start(scene_, how, checkpoint_, *outcome_, attempt));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -124,6 +139,7 @@ PetscErrorCode Walk::accept(double time, const Attempt &attempt) {
   if (has_steps()) PetscCall(path_.accept());
   sizes_.accept(attempt.iterations <= easy_iterations);
   PetscCall(observe_(time, attempt.iterations, false));
+  if (time < 1) PetscCall(checkpoint_.pass(true));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -158,12 +174,55 @@ PetscErrorCode Walk::reject(double time, const Attempt &attempt, bool *goes_on) 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode Walk::save(SavedRun *run) const {
+  PetscFunctionBeginUser;
+  run->numbers["steps"] = json_of(sizes_.reached());
+  run->numbers["equal_steps"] = sizes_.count();
+  run->numbers["inverted"] = inverted_;
+  run->numbers["record"] = record_of_run_.save();
+  save_start(*outcome_, run);
+  PetscCall(path_.save(checkpoint_, run));
+  if (contact_.exists()) contact_.save(run);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Walk::go_on() {
+  int equal_steps = -1;
+  PetscFunctionBeginUser;
+  PetscCall(checkpoint_.take([&](const Checkpoint::Json &numbers) {
+    equal_steps = numbers.at("equal_steps");
+    sizes_.go_on(steps_reached_of(numbers.at("steps")));
+    inverted_ = numbers.at("inverted");
+    record_of_run_.load(numbers.at("record"));
+    goes_on_in_step_ = numbers.contains("search");
+  }));
+  PetscCheck(equal_steps == sizes_.count(), comm_, PETSC_ERR_USER_INPUT,
+             "%s is of a run with other -load_steps than %s: go on with the same",
+             scene_.options.checkpoint.restart_file.c_str(), scene_.options.load_steps.c_str());
+  PetscCall(load_start(checkpoint_, outcome_));
+  PetscCall(path_.go_on(checkpoint_, false, &outcome_->guess));
+  if (contact_.exists()) PetscCall(contact_.go_on(checkpoint_));
+  if (!goes_on_in_step_) checkpoint_.end_start();
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Walk::begin() {
+  PetscFunctionBeginUser;
+  if (has_steps()) PetscCall(path_.check(sizes_.next() < 1 ? sizes_.next() : 0.5, 1));
+  PetscCall(PetscTime(&begin_));
+  checkpoint_.save_way([this](SavedRun *run) { return save(run); });
+  if (checkpoint_.start()) {
+    PetscCall(go_on());
+  } else if (contact_.exists()) {
+    PetscCall(contact_.begin());
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode Walk::go() {
   bool goes_on = true;
   PetscFunctionBeginUser;
-  if (has_steps()) PetscCall(path_.check(sizes_.next() < 1 ? sizes_.next() : 0.5, 1));
-  if (contact_.exists()) PetscCall(contact_.begin());
-  PetscCall(PetscTime(&begin_));
+  PetscCall(begin());
   while (!sizes_.is_done() && goes_on && !is_broken_) {
     const double time = sizes_.next();
     Attempt attempt;
@@ -186,7 +245,8 @@ PetscErrorCode Walk::go() {
 
 }  // namespace
 
-PetscErrorCode solve_scene(Scene &scene, const StateObserver &observe, SolveOutcome *outcome) {
+PetscErrorCode solve_scene(Scene &scene, const StateObserver &observe, Checkpoint &checkpoint,
+                           SolveOutcome *outcome) {
   EnergySums end;
   bool may_take = false;
   PetscFunctionBeginUser;
@@ -195,12 +255,13 @@ PetscErrorCode solve_scene(Scene &scene, const StateObserver &observe, SolveOutc
   PetscCall(may_take_path(scene.options, &may_take));
   may_take = may_take && !scene.contact;  // a leap would pass through what is in the way
   if (scene.motion) {
-    PetscCall(walk_in_time(scene, observe, outcome));
+    PetscCall(walk_in_time(scene, observe, checkpoint, outcome));
   } else if (may_take) {
-    PetscCall(solve_by_leap_or_path(scene, observe, outcome));
+    PetscCall(solve_by_leap_or_path(scene, observe, checkpoint, outcome));
   } else {
-    PetscCall(Walk(scene, observe, outcome).go());
+    PetscCall(Walk(scene, observe, checkpoint, outcome).go());
   }
+  checkpoint.save_way({});
   PetscCall(scene.functional->energy(scene.displacement, &end));
   outcome->energy_scale = end.scale;
   PetscCall(scene.functional->count_inverted(scene.displacement, &outcome->inverted));
@@ -216,7 +277,7 @@ PetscErrorCode expect_linear_solver(Scene &scene, LinearSolver *solver) {
   PetscCall(expected.expect(solver));
   if (scene.motion) PetscCall(scene.motion->hold_start());
   const std::string initial = choose_initial(scene.options);
-  if (initial == "rest" || initial == "expression") {  // which takes no solve
+  if (initial == "rest" || initial == "expression" || initial == "file") {  // which takes no solve
     EnergySums start;
     PetscCall(make_start(scene, &outcome));
     if (scene.motion) PetscCall(scene.motion->start());

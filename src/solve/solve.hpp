@@ -7,6 +7,7 @@
 
 #include "output/run_report.hpp"
 #include "scene/scene.hpp"
+#include "solve/checkpoint.hpp"
 #include "solve/linear_solver.hpp"
 #include "solve/starting_guess.hpp"
 
@@ -38,7 +39,9 @@ using StateObserver = std::function<PetscErrorCode(double t, PetscInt iterations
 /// scene is left at the last equilibrium that stands (where there was but one solve, at its last
 /// iterate). A hard scene, see solve_by_leap_or_path(), is led to its end on a path of a few loose
 /// steps.
-PetscErrorCode solve_scene(Scene &scene, const StateObserver &observe, SolveOutcome *outcome);
+/// @param checkpoint where the run is saved on its way, and what it goes on from; open
+PetscErrorCode solve_scene(Scene &scene, const StateObserver &observe, Checkpoint &checkpoint,
+                           SolveOutcome *outcome);
 
 /// What would solve the scene's linear systems, with the size of a factor. Solves nothing; options
 /// that no solver knows are errors where they can be told without. Collective.

@@ -9,13 +9,14 @@
 namespace trefoil {
 namespace {
 
-/// Refuses options that nothing has used so far. Where every displacement is zero, no solver of the
-/// guess was there to use them, and they are not wrong.
+/// Refuses options that nothing has used so far. Where every displacement is zero, or the run goes
+/// on from another, no solver of the guess was there to use them, and they are not wrong.
 PetscErrorCode check_tuning(const Scene &scene) {
   const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(scene.mesh.dm));
   PetscReal moved = 0;
   PetscFunctionBeginUser;
   PetscCall(refuse_unused(comm, {"snes_linesearch_"}));
+  if (!scene.options.checkpoint.restart_file.empty()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(VecNorm(scene.displacement, NORM_INFINITY, &moved));
   if (moved > 0 || scene.options.initial == "rest") PetscCall(refuse_unused(comm, {"guess_"}));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -12,6 +12,13 @@ StepSizes StepSizes::adaptive(double first, double least) {
   return {0, std::min(first, 1.), least};
 }
 
+void StepSizes::go_on(const Reached &reached) {
+  time_ = reached.time;
+  step_ = reached.step;
+  accepted_ = reached.accepted;
+  was_halved_ = reached.was_halved;
+}
+
 double StepSizes::next() const {
   constexpr double crumb = 1e-9;  // no last step that only rounding makes
   if (count_ > 0) return accepted_ + 1 == count_ ? 1 : static_cast<double>(accepted_ + 1) / count_;

@@ -22,6 +22,15 @@ class StepSizes {
   bool halve();
   [[nodiscard]] bool can_halve() const;  ///< whether halve() would say so
 
+  /// Where the way has led so far.
+  struct Reached {
+    double time = 0, step = 0;  ///< step: length of the next one
+    int accepted = 0;
+    bool was_halved = false;  ///< since the last step that stands
+  };
+  [[nodiscard]] Reached reached() const { return {time_, step_, accepted_, was_halved_}; }
+  void go_on(const Reached &reached);
+
   [[nodiscard]] double time() const { return time_; }  ///< where the last step led that stands
   [[nodiscard]] int accepted() const { return accepted_; }
   [[nodiscard]] bool is_adaptive() const { return count_ == 0; }

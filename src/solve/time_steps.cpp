@@ -10,6 +10,13 @@ constexpr double crumb = 1e-9;  // of a full step: what only rounding makes
 
 }  // namespace
 
+void TimeSteps::go_on(const Reached &reached) {
+  time_ = reached.time;
+  step_ = std::min(reached.step, full_);
+  accepted_ = reached.accepted;
+  was_halved_ = reached.was_halved;
+}
+
 double TimeSteps::next() const {
   const double time = time_ + step_, whole = full_ * std::round(time / full_);
   if (time > end_ - crumb * full_) return end_;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "solve/step_sizes.hpp"
+
 namespace trefoil {
 
 /// How the way from t = 0 to an end is cut into steps in time: of one length, which is halved where
@@ -18,6 +20,12 @@ class TimeSteps {
   void accept();
   /// The step failed. @return whether a shorter one is left to be tried, which next() then says
   bool halve();
+
+  /// Where the way has led so far.
+  using Reached = StepSizes::Reached;
+  [[nodiscard]] Reached reached() const { return {time_, step_, accepted_, was_halved_}; }
+  /// Goes on from there; its steps may be those of another length of the full one.
+  void go_on(const Reached &reached);
 
   [[nodiscard]] double time() const { return time_; }  ///< where the last step led that stands
   [[nodiscard]] int accepted() const { return accepted_; }

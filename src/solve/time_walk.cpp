@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <sstream>
+#include <utility>
 
 #include "solve/contact_path.hpp"
 #include "solve/run_record.hpp"
+#include "solve/saved_numbers.hpp"
 #include "solve/scene_solver.hpp"
 #include "solve/start_check.hpp"
 #include "solve/time_steps.hpp"
@@ -25,9 +27,11 @@ double tolerated_velocity(const Scene &scene) {
 
 class TimeWalk {
  public:
-  TimeWalk(Scene &scene, const StateObserver &observe, SolveOutcome *outcome)
+  TimeWalk(Scene &scene, const StateObserver &observe, Checkpoint &checkpoint,
+           SolveOutcome *outcome)
       : scene_(scene),
         observe_(observe),
+        checkpoint_(checkpoint),
         outcome_(outcome),
         comm_(PetscObjectComm(reinterpret_cast<PetscObject>(scene.mesh.dm))),
         options_(scene.options.time),
@@ -40,6 +44,8 @@ class TimeWalk {
 
  private:
   PetscErrorCode start();
+  PetscErrorCode save(SavedRun *run) const;
+  PetscErrorCode go_on();
   PetscErrorCode say_tolerance() const;
   PetscErrorCode set_tolerance(double length);
   PetscErrorCode say_step() const;
@@ -48,6 +54,7 @@ class TimeWalk {
 
   Scene &scene_;
   const StateObserver &observe_;
+  Checkpoint &checkpoint_;
   SolveOutcome *outcome_;
   MPI_Comm comm_;
   const TimeOptions &options_;
@@ -56,6 +63,7 @@ class TimeWalk {
   SceneSolver solver_;
   ContactPath contact_;
   RunRecord record_{"time_step"};
+  Checkpoint::Json search_;      ///< what the search knew when the last state came to stand
   double tolerated_length_ = 0;  ///< of the step that the solver's tolerance is for
 };
 
@@ -94,6 +102,61 @@ PetscErrorCode TimeWalk::say_tolerance() const {
     text << "a step in time ends by its energy alone: the velocity tolerance is 0";
   }
   PetscCall(PetscPrintf(comm_, "%s\n", text.str().c_str()));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// The last state that stands, also where a step is under way.
+PetscErrorCode TimeWalk::save(SavedRun *run) const {
+  const TimeIntegrator &integrator = scene_.motion->integrator();
+  const Motion &previous = integrator.previous();
+  PetscFunctionBeginUser;
+  run->numbers["steps"] = json_of(steps_.reached());
+  run->numbers["previous_step"] = integrator.previous_step();
+  run->numbers["has_previous"] = !previous.u.empty();
+  run->numbers["record"] = record_.save();
+  if (!search_.is_null()) run->numbers["search"] = search_;
+  save_start(*outcome_, run);
+  run->fields["displacement"] = integrator.state().u;
+  run->fields["velocity"] = integrator.state().v;
+  run->fields["acceleration"] = integrator.state().a;
+  if (!previous.u.empty()) {
+    run->fields["previous_displacement"] = previous.u;
+    run->fields["previous_velocity"] = previous.v;
+  }
+  if (contact_.exists()) contact_.save(run);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode TimeWalk::go_on() {
+  Motion state, previous;
+  double previous_step = 0;
+  bool has_previous = false, has_searched = false;
+  EnergySums sums;
+  PetscFunctionBeginUser;
+  PetscCall(checkpoint_.take([&](const Checkpoint::Json &numbers) {
+    steps_.go_on(steps_reached_of(numbers.at("steps")));
+    previous_step = numbers.at("previous_step");
+    has_previous = numbers.at("has_previous");
+    record_.load(numbers.at("record"));
+    has_searched = numbers.contains("search");
+  }));
+  PetscCall(load_start(checkpoint_, outcome_));
+  PetscCall(checkpoint_.fetch("displacement", scene_.displacement));
+  PetscCall(checkpoint_.fetch("displacement", &state.u));
+  PetscCall(checkpoint_.fetch("velocity", &state.v));
+  PetscCall(checkpoint_.fetch("acceleration", &state.a));
+  if (has_previous) {
+    PetscCall(checkpoint_.fetch("previous_displacement", &previous.u));
+    PetscCall(checkpoint_.fetch("previous_velocity", &previous.v));
+  }
+  PetscCall(solver_.set_up(*outcome_, 0));
+  PetscCall(
+      scene_.motion->go_on(steps_.time(), std::move(state), std::move(previous), previous_step));
+  if (contact_.exists()) PetscCall(contact_.go_on(checkpoint_));
+  if (has_searched) PetscCall(solver_.go_on(checkpoint_));
+  PetscCall(scene_.functional->energy(scene_.displacement, &sums));
+  PetscCall(check_start(scene_, sums.energy));
+  checkpoint_.end_start();
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -163,7 +226,9 @@ PetscErrorCode TimeWalk::reject(const Attempt &attempt, bool *goes_on) {
 PetscErrorCode TimeWalk::go() {
   bool goes_on = true;
   PetscFunctionBeginUser;
-  PetscCall(start());
+  checkpoint_.save_way([this](SavedRun *run) { return save(run); });
+  PetscCall(checkpoint_.start() ? go_on() : start());
+  PetscCall(solver_.watch(checkpoint_, false));
   while (!steps_.is_done() && goes_on) {
     Attempt attempt;
     PetscCall(take_step(&attempt));
@@ -179,8 +244,11 @@ PetscErrorCode TimeWalk::go() {
     }
     PetscCall(scene_.motion->accept(steps_.next()));
     steps_.accept();
+    PetscCall(solver_.describe_search(&search_));
     PetscCall(observe_(steps_.time(), attempt.iterations, false));
+    PetscCall(checkpoint_.pass(true));
   }
+  PetscCall(checkpoint_.save());
   outcome_->converged = steps_.is_done();
   outcome_->time = steps_.time();
   outcome_->plugin_record = record_.text();
@@ -189,9 +257,10 @@ PetscErrorCode TimeWalk::go() {
 
 }  // namespace
 
-PetscErrorCode walk_in_time(Scene &scene, const StateObserver &observe, SolveOutcome *outcome) {
+PetscErrorCode walk_in_time(Scene &scene, const StateObserver &observe, Checkpoint &checkpoint,
+                            SolveOutcome *outcome) {
   PetscFunctionBeginUser;
-  PetscCall(TimeWalk(scene, observe, outcome).go());
+  PetscCall(TimeWalk(scene, observe, checkpoint, outcome).go());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

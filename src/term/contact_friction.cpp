@@ -87,6 +87,7 @@ PetscErrorCode ContactTerm::accept_step(const double *u) {
   constexpr double too_near = 1e-3;
   ContactReport state;
   PetscFunctionBeginUser;
+  stiffening_of_step_ = law_.stiffening;
   PetscCall(lag_friction(u));
   lags_of_step_ = std::exchange(lags_, 0);
   PetscCall(surface_->gather(u, &origin_));
@@ -97,6 +98,14 @@ PetscErrorCode ContactTerm::accept_step(const double *u) {
   }
   PetscCall(report(u, &state));
   if (state.gap < too_near * law_.distance) law_.stiffening *= 2;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode ContactTerm::go_on(const double *u, double time, double stiffening) {
+  PetscFunctionBeginUser;
+  PetscCall(set_time(time));
+  law_.stiffening = stiffening;
+  PetscCall(accept_step(u));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

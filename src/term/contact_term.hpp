@@ -92,6 +92,10 @@ class ContactTerm final : public Term {
   PetscErrorCode report(const double *u, ContactReport *report) const;
   /// Makes u the state from which friction has its forces and directions.
   PetscErrorCode lag_friction(const double *u);
+  /// Makes u, at a time, the state that was accepted last, and the stiffness what it was before.
+  PetscErrorCode go_on(const double *u, double time, double stiffening);
+  /// Of the stiffness, times what was asked for, in the step that ended last.
+  [[nodiscard]] double stiffening_of_step() const { return stiffening_of_step_; }
   /// Leaves friction out of energies and of their derivatives.
   void ignore_friction(bool ignored) { ignores_friction_ = ignored; }
   [[nodiscard]] bool has_friction() const;
@@ -142,6 +146,7 @@ class ContactTerm final : public Term {
   int lags_ = 0, lags_of_step_ = 0;  ///< of friction: in the step under way, and in the last
   Positions origin_;                 ///< displacements at its begin
   double accepted_time_ = 0;
+  double stiffening_of_step_ = 1;  ///< by which friction has its forces
   bool ignores_friction_ = false;
   bool has_scheme_ = false;  ///< of time, which says what the slip's time is
   double slip_time_ = 0;     ///< of the step: a slip over it is a velocity

@@ -11,7 +11,7 @@ ALLOWED = {  # from the bottom up; all may include include/trefoil
     "snes": "filter hook rule search simd support", "contact": "filter", "material": "simd",
     "element": "simd", "term": "contact element filter material mesh support",
     "assembly": "contact element filter mesh simd support term", "time": "support term",
-    "input": "mesh support term", "output": "mesh support",
+    "input": "mesh support term", "output": "mesh mesh/io support",
     "scene": "assembly contact element input mesh mesh/io output support term time",
     "solve": "assembly contact element input mesh output scene support term time",
     "program": "input output scene solve support"}

@@ -33,17 +33,15 @@ struct Opened {
   Opened &operator=(const Opened &) = delete;
 };
 
-const char *const advice = "; write it again by -mesh_write";
-
 }  // namespace
 
-Hdf5Reader::Hdf5Reader(const std::string &path) : path_(path) {
+Hdf5Reader::Hdf5Reader(const std::string &path, const char *advice) : path_(path), advice_(advice) {
   H5Eget_auto2(H5E_DEFAULT, &printer_, &printer_data_);
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   file_ = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
   if (file_ >= 0) return;
   H5Eset_auto2(H5E_DEFAULT, printer_, printer_data_);
-  throw InputError(path_ + " cannot be read as HDF5: it is truncated or damaged" + advice);
+  throw InputError(path_ + " cannot be read as HDF5: it is truncated or damaged" + advice_);
 }
 
 Hdf5Reader::~Hdf5Reader() {
@@ -52,7 +50,7 @@ Hdf5Reader::~Hdf5Reader() {
 }
 
 void Hdf5Reader::fail(const std::string &sentence) const {
-  throw InputError(path_ + " " + sentence + advice);
+  throw InputError(path_ + " " + sentence + advice_);
 }
 
 bool Hdf5Reader::has(const std::string &dataset) const {
@@ -79,7 +77,7 @@ void Hdf5Reader::read(const std::string &name, hid_t type, H5T_class_t kind, Pet
   H5Tclose(stored);
   const auto begin = static_cast<hsize_t>(first), length = static_cast<hsize_t>(count);
   if (!is_of_kind || begin % width || length % width || begin + length > opened.shape[0] * width)
-    fail("has other numbers in " + name + " than a mesh has");
+    fail("has other numbers in " + name + " than it should have");
   const std::array<hsize_t, 2> start{begin / width, 0}, rows{length / width, width};
   const hid_t memory = H5Screate_simple(1, &length, nullptr);
   const bool is_read =

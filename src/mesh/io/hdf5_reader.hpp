@@ -12,7 +12,9 @@ namespace trefoil {
 /// sentence that names the file; HDF5's own words are kept silent.
 class Hdf5Reader {
  public:
-  explicit Hdf5Reader(const std::string &path);
+  /// @param advice what to do about a file that is not as it should be, the end of each sentence
+  explicit Hdf5Reader(const std::string &path,
+                      const char *advice = "; write it again by -mesh_write");
   ~Hdf5Reader();
   Hdf5Reader(const Hdf5Reader &) = delete;
   Hdf5Reader &operator=(const Hdf5Reader &) = delete;
@@ -32,7 +34,7 @@ class Hdf5Reader {
   void read(const std::string &dataset, hid_t type, H5T_class_t kind, PetscInt first,
             PetscInt count, void *numbers) const;
 
-  std::string path_;
+  std::string path_, advice_;
   hid_t file_ = -1;
   H5E_auto2_t printer_ = nullptr;
   void *printer_data_ = nullptr;

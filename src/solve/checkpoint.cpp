@@ -1,0 +1,194 @@
+#include "solve/checkpoint.hpp"
+
+#include <petsctime.h>
+
+#include <atomic>
+#include <csignal>
+
+#include "scene/initial_displacement.hpp"
+#include "support/petsc_compatibility.hpp"
+
+namespace trefoil {
+namespace {
+
+/// What ranks agree on; the larger wins.
+enum Wish { nothing = 0, write = 1, write_and_stop = 2 };
+
+volatile std::sig_atomic_t wish_of_signal = nothing;
+bool is_stopped = false;
+struct sigaction former_terminate, former_user;
+
+/// A second SIGTERM ends the run at once.
+void listen(int signal) {
+  if (signal == SIGTERM) {
+    wish_of_signal = write_and_stop;
+    sigaction(SIGTERM, &former_terminate, nullptr);
+  } else if (wish_of_signal == nothing) {
+    wish_of_signal = write;
+  }
+}
+
+/// Keeps an error's sentence instead of raising it.
+PetscErrorCode keep_sentence(MPI_Comm, int, const char *, const char *, PetscErrorCode code,
+                             PetscErrorType type, const char *message, void *sentence) {
+  if (type == PETSC_ERROR_INITIAL && message) *static_cast<std::string *>(sentence) = message;
+  return code;
+}
+
+/// The kinds of ways that cannot go on from each other's checkpoints.
+const char *kind_of(const Scene &scene) {
+  return scene.motion ? "time" : "load_steps";
+}
+
+}  // namespace
+
+bool was_stopped() {
+  return is_stopped;
+}
+
+Checkpoint::Checkpoint(Scene &scene) : scene_(scene), files_(scene.mesh) {}
+
+Checkpoint::~Checkpoint() {
+  if (!listens_) return;
+  sigaction(SIGTERM, &former_terminate, nullptr);
+  sigaction(SIGUSR1, &former_user, nullptr);
+}
+
+MPI_Comm Checkpoint::comm() const {
+  return PetscObjectComm(reinterpret_cast<PetscObject>(scene_.mesh.dm));
+}
+
+bool Checkpoint::is_on() const {
+  return !scene_.options.checkpoint.file.empty();
+}
+
+PetscErrorCode Checkpoint::open() {
+  const CheckpointOptions &options = scene_.options.checkpoint;
+  PetscFunctionBeginUser;
+  if (!options.restart_file.empty()) {
+    start_.emplace();
+    PetscCall(files_.read(options.restart_file, &*start_));
+    PetscCall(check_kind());
+  }
+  if (!is_on()) PetscFunctionReturn(PETSC_SUCCESS);
+  struct sigaction action {};
+  action.sa_handler = listen;
+  action.sa_flags = SA_RESTART;
+  sigaction(SIGTERM, &action, &former_terminate);
+  sigaction(SIGUSR1, &action, &former_user);
+  listens_ = true;
+  last_ = MPI_Wtime();
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Checkpoint::check_kind() const {
+  const std::string here = kind_of(scene_), there = start_->numbers.value("kind", "");
+  PetscFunctionBeginUser;
+  PetscCheck(here == there, comm(), PETSC_ERR_USER_INPUT,
+             "%s is of a run %s, and this scene is %s: -restart goes on with the scene that wrote "
+             "the file",
+             scene_.options.checkpoint.restart_file.c_str(),
+             there == "time" ? "in time" : "without time",
+             here == "time" ? "one in time" : "one without time");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// What the first rank's clock, the count and the signals of any rank ask for.
+PetscErrorCode Checkpoint::wish(bool counts, int *wish) {
+  const CheckpointOptions &options = scene_.options.checkpoint;
+  PetscMPIInt rank = 0;
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Comm_rank(comm(), &rank));
+  *wish = static_cast<int>(wish_of_signal);
+  if (counts) {
+    ++passes_;
+    const bool is_late =
+        rank == 0 && options.interval() > 0 && MPI_Wtime() - last_ >= options.interval();
+    const bool is_due = options.every > 0 && passes_ % options.every == 0;
+    if (is_late || is_due) *wish = std::max<int>(*wish, write);
+  }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, wish, 1, MPI_INT, MPI_MAX, comm()));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Checkpoint::pass(bool counts, const Part &solve) {
+  int agreed = nothing;
+  PetscFunctionBeginUser;
+  if (!is_on()) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(wish(counts, &agreed));
+  if (agreed == nothing) PetscFunctionReturn(PETSC_SUCCESS);
+  if (wish_of_signal == write) wish_of_signal = nothing;
+  PetscCall(save(solve));
+  if (agreed < write_and_stop) PetscFunctionReturn(PETSC_SUCCESS);
+  is_stopped = true;
+  SETERRQ(comm(), PETSC_ERR_SIG, "stopped by SIGTERM; -restart %s goes on from here",
+          scene_.options.checkpoint.file.c_str());
+}
+
+PetscErrorCode Checkpoint::save(const Part &solve) {
+  SavedRun run;
+  std::string sentence;
+  PetscFunctionBeginUser;
+  if (!is_on()) PetscFunctionReturn(PETSC_SUCCESS);
+  run.numbers["kind"] = kind_of(scene_);
+  for (const Part *part : std::initializer_list<const Part *>{&results_, &way_, &solve}) {
+    if (*part) PetscCall((*part)(&run));
+  }
+  PetscCall(PetscPushErrorHandler(keep_sentence, &sentence));
+  const PetscErrorCode outcome = files_.write(scene_.options.checkpoint.file, run);
+  PetscCall(PetscPopErrorHandler());
+  last_ = MPI_Wtime();
+  if (!outcome) PetscFunctionReturn(PETSC_SUCCESS);
+  scene_.warnings.push_back("a checkpoint was not written, the one before stays: " + sentence);
+  PetscCall(PetscPrintf(comm(), "WARNING: %s\n", scene_.warnings.back().c_str()));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Checkpoint::take(const std::function<void(const Json &numbers)> &read) const {
+  bool fits = true;
+  PetscFunctionBeginUser;
+  try {
+    read(start_->numbers);
+  } catch (const Json::exception &) {
+    fits = false;
+  }
+  PetscCheck(fits, comm(), PETSC_ERR_USER_INPUT,
+             "%s lacks numbers that this scene goes on from: -restart goes on with the scene that "
+             "wrote the file",
+             scene_.options.checkpoint.restart_file.c_str());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Checkpoint::keep(Vec x, const std::string &name, bool is_change,
+                                SavedRun *run) const {
+  const Discretization &discretization = scene_.discretization;
+  Vec local = nullptr;
+  const PetscScalar *values = nullptr;
+  PetscFunctionBeginUser;
+  PetscCall(is_change ? discretization.get_local_direction(x, &local, &values)
+                      : discretization.get_local(x, &local, &values));
+  run->fields[name].assign(values, values + scene_.mesh.coordinates.size());
+  PetscCall(discretization.restore_local(&local, &values));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Checkpoint::fetch(const std::string &name, std::vector<double> *values) const {
+  const auto found = start_->fields.find(name);
+  PetscFunctionBeginUser;
+  PetscCheck(found != start_->fields.end(), comm(), PETSC_ERR_USER_INPUT,
+             "%s lacks the field '%s' that this scene goes on from: -restart goes on with the "
+             "scene that wrote the file",
+             scene_.options.checkpoint.restart_file.c_str(), name.c_str());
+  *values = found->second;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Checkpoint::fetch(const std::string &name, Vec x) const {
+  std::vector<double> values;
+  PetscFunctionBeginUser;
+  PetscCall(fetch(name, &values));
+  PetscCall(set_unknowns(std::move(values), scene_.discretization, x));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+}  // namespace trefoil
