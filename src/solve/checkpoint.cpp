@@ -2,8 +2,9 @@
 
 #include <petsctime.h>
 
-#include <atomic>
+#include <algorithm>
 #include <csignal>
+#include <initializer_list>
 
 #include "scene/initial_displacement.hpp"
 #include "support/petsc_compatibility.hpp"
@@ -121,6 +122,8 @@ PetscErrorCode Checkpoint::pass(bool counts, const Part &solve) {
   PetscCall(save(solve));
   if (agreed < write_and_stop) PetscFunctionReturn(PETSC_SUCCESS);
   is_stopped = true;
+  PetscCheck(!has_failed_, comm(), PETSC_ERR_SIG,
+             "stopped by SIGTERM, and no checkpoint could be written of where it was");
   SETERRQ(comm(), PETSC_ERR_SIG, "stopped by SIGTERM; -restart %s goes on from here",
           scene_.options.checkpoint.file.c_str());
 }
@@ -138,7 +141,9 @@ PetscErrorCode Checkpoint::save(const Part &solve) {
   const PetscErrorCode outcome = files_.write(scene_.options.checkpoint.file, run);
   PetscCall(PetscPopErrorHandler());
   last_ = MPI_Wtime();
-  if (!outcome) PetscFunctionReturn(PETSC_SUCCESS);
+  const bool is_news = outcome && !has_failed_;
+  has_failed_ = outcome != PETSC_SUCCESS;
+  if (!is_news) PetscFunctionReturn(PETSC_SUCCESS);
   scene_.warnings.push_back("a checkpoint was not written, the one before stays: " + sentence);
   PetscCall(PetscPrintf(comm(), "WARNING: %s\n", scene_.warnings.back().c_str()));
   PetscFunctionReturn(PETSC_SUCCESS);

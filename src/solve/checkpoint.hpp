@@ -64,7 +64,7 @@ class Checkpoint {
   std::optional<SavedRun> start_;
   PetscInt passes_ = 0;
   double last_ = 0;  ///< when the last one was written, by the first rank's clock
-  bool listens_ = false;
+  bool listens_ = false, has_failed_ = false;  ///< has_failed: the last one
 };
 
 /// Whether SIGTERM has ended the run.
