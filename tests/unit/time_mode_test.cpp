@@ -157,7 +157,8 @@ void check_mode(const std::string &scheme, const std::string &order, const std::
     PetscCall(VecDestroy(&difference));
     PetscFunctionReturn(PETSC_SUCCESS);
   };
-  ASSERT_EQ(solve_scene(scene, observe, &outcome), PETSC_SUCCESS);
+  Checkpoint none(scene);
+  ASSERT_EQ(solve_scene(scene, observe, none, &outcome), PETSC_SUCCESS);
   EXPECT_TRUE(outcome.converged);
   EXPECT_EQ(steps, 35);
   ASSERT_EQ(VecDestroy(&phi), PETSC_SUCCESS);

@@ -154,7 +154,8 @@ TEST(TimePetscTest, TheSameStatesAsBackwardEulerOfPetsc) {
     }
     PetscFunctionReturn(PETSC_SUCCESS);
   };
-  ASSERT_EQ(solve_scene(scene, observe, &outcome), PETSC_SUCCESS);
+  Checkpoint none(scene);
+  ASSERT_EQ(solve_scene(scene, observe, none, &outcome), PETSC_SUCCESS);
   ASSERT_TRUE(outcome.converged);
   for (const auto &[name, value] : options) {
     ASSERT_EQ(PetscOptionsClearValue(nullptr, ("-" + name).c_str()), PETSC_SUCCESS);
