@@ -19,7 +19,7 @@ try:
 except ImportError:
     meshio = None
 
-from trefoil_program import PROGRAM, environment, run
+from trefoil_program import PROGRAM, environment, refusal_of, run
 
 TIGHT = ["-snes_trefoil_energy_tolerance", "1e-26", "-time_velocity_tolerance", "1e-13",
          "-snes_trefoil_monitor", "false", "-snes_max_it", "30"]
@@ -100,6 +100,49 @@ class Velocity(unittest.TestCase):
             exact = np.array([0, 0, 0.1 * k * GRAVITY])
             self.assertLess(abs(mesh.point_data["velocity"] - exact).max(), 1e-11)
 
+    def test_energy_inequality_of_backward_euler(self):
+        """In every step, with nothing moved: Psi' + |v' - v|_M^2 / 2 <= Psi + |v|_M^2 / 2, Psi with the
+        loads. Lumped masses are a quarter of each cell at its corners."""
+        self.series(["-material_young", "2e4", "-material_poisson", "0.45", "-load_gravity",
+                     f"0, 0, {GRAVITY}", "-constraints", "wall", "-constraint_wall_where", "x == xmin",
+                     "-initial_velocity", "0, 2*x*z, 0", "-time_mass", "lumped", "-time_end", "1",
+                     "-time_step", "0.05", "-output_csv", "a.csv"])
+        with meshio.xdmf.TimeSeriesReader(os.path.join(self.folder.name, "a.xdmf")) as reader:
+            points, cells = reader.read_points_cells()
+            v = [reader.read_data(k)[1]["velocity"] for k in range(reader.num_steps)]
+        corners = points[cells[0].data]
+        volumes = abs(np.linalg.det(corners[:, 1:] - corners[:, :1])) / 6
+        mass = np.bincount(cells[0].data.ravel(), np.repeat(1e3 * volumes / 4, 4))
+        with open(os.path.join(self.folder.name, "a.csv"), encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+        psi = [float(row["strain_energy"]) - float(row["load_work"]) for row in rows]
+        self.assertEqual((len(psi), len(v)), (21, 21))
+        for k in range(20):
+            before = mass @ (v[k] ** 2).sum(axis=1) / 2
+            self.assertAlmostEqual(before, float(rows[k]["kinetic_energy"]), delta=1e-9)
+            self.assertLess(psi[k + 1] + mass @ ((v[k + 1] - v[k]) ** 2).sum(axis=1) / 2,
+                            psi[k] + before + 1e-9)
+
+    def test_the_last_good_state_is_written(self):
+        """A load that comes between two steps, too large: the way ends, and the state before it, which
+        `every` would have left out, is in the series."""
+        result = run([*BOX, "-constraints", "wall", "-constraint_wall_where", "x == xmin",
+                      "-load_gravity", f"0, 0, {GRAVITY}", "-loads", "top", "-load_top_where",
+                      "z == zmax", "-load_top_force", "1e9*(t > 0.25), 0, 0", "-material_young",
+                      "1e5", "-time_end", "0.5", "-time_step", "0.1", "-time_step_min", "0.1",
+                      "-snes_max_it", "4", "-output_every", "3",
+                      "-output_file", "a.xdmf", "-output_csv", "a.csv"], folder=self.folder.name)
+        self.assertEqual(result.returncode, 3, result.stdout)
+        self.assertIn("the step in time from t = 0.2 to 0.3 failed, and -time_step_min 0.1 allows none "
+                      "of half its length", result.stdout)
+        _, states = read_series(os.path.join(self.folder.name, "a.xdmf"))
+        self.assertEqual([round(t, 9) for t, _ in states], [0, 0.2])
+        with open(os.path.join(self.folder.name, "a.csv"), encoding="utf-8") as file:
+            last = list(csv.DictReader(file))[-1]
+        moved = np.linalg.norm(states[-1][1]["displacement"], axis=1).max()
+        self.assertAlmostEqual(moved, float(last["largest_displacement"]), delta=1e-12)
+        self.assertLess(moved, 1)
+
     def test_not_without_time(self):
         for name in ("velocity", "acceleration"):
             result = run([*BOX, "-constraints", "a", "-constraint_a_where", "x == xmin",
@@ -109,6 +152,55 @@ class Velocity(unittest.TestCase):
             self.assertIn(f"-output_fields names the {name}, which only a scene in time has",
                           result.stdout)
             self.assertEqual(os.listdir(self.folder.name), [])
+
+
+MIXED = """
+mesh:        {generate: box, resolution: 3}
+order:       2
+material:    {young: 1e5, poisson: 0.4, density: 1e3}
+regions:
+  heavy:     {where: "z < 0.4", material: {young: 1e6, density: 3e3}}
+constraints:
+  wall:      {where: "x == xmin", move: "0.1*sin(8*t), 0, 0"}
+loads:
+  top:       {where: "z == zmax", pressure: "1e3*t", follower: true}
+time:        {end: 0.25, step: 0.1, integrator: bdf2}
+output:      {file: "my body.xdmf", csv: "my table.csv", every: 7}
+"""
+
+
+@unittest.skipUnless(meshio, "needs python3-meshio, python3-h5py")
+class Mixed(unittest.TestCase):
+    """Regions, quadratic cells, what moves and what follows, an end between steps, names with blanks."""
+
+    def test_by_any_number_of_ranks(self):
+        ends = []
+        for ranks in (1, 3):
+            with tempfile.TemporaryDirectory() as folder:
+                with open(os.path.join(folder, "my scene.yaml"), "w", encoding="utf-8") as file:
+                    file.write(MIXED)
+                result = run(["my scene.yaml", *TIGHT], ranks, folder)
+                self.assertEqual(result.returncode, 0, result.stdout)
+                points, states = read_series(os.path.join(folder, "my body.xdmf"))
+                self.assertEqual([t for t, _ in states], [0, 0.25])
+                with open(os.path.join(folder, "my table.csv"), encoding="utf-8") as file:
+                    rows = list(csv.DictReader(file))
+                self.assertEqual([round(float(row["dt"]), 12) for row in rows], [0, 0.1, 0.1, 0.05])
+                ends.append(states[-1][1])
+        for name in ("displacement", "velocity"):
+            size = abs(ends[0][name]).max()
+            self.assertLess(abs(ends[0][name] - ends[1][name]).max(), 1e-9 * size)
+        wall = points[:, 0] == 0
+        self.assertLess(abs(ends[0]["displacement"][wall, 0] - 0.1 * np.sin(2)).max(), 1e-14)
+        # by differences over the last step, to its one side
+        self.assertLess(abs(ends[0]["velocity"][wall, 0] - 0.8 * np.cos(2)).max(), 0.1)
+
+    def test_planes_to_slide_in_must_lie_along_the_axes(self):
+        for ranks in (1, 2):
+            sentence = refusal_of([*BOX, "-constraints", "wall", "-constraint_wall_where", "x == xmin",
+                                   "-constraint_wall_slide", "1, 1, 0", "-time_end", "1", "-time_step",
+                                   "0.1"], ranks)
+            self.assertIn("not parallel to the axes, which a scene in time cannot do", sentence)
 
 
 def children_of(pid):
