@@ -54,8 +54,10 @@ def relative_error(energy, reference):
 
 
 def is_of_last_loads(record, entry):
-    """Whether a state is one of the last load step: only their energies are those of the scene."""
-    return entry.get("load_step") == record["history"][-1].get("load_step")
+    """Whether a state is one of the last load step, and on the way to the end: only their energies
+    are those of the scene."""
+    return (not entry.get("rejected")
+            and entry.get("load_step") == record["history"][-1].get("load_step"))
 
 
 def errors_of(record, reference):
@@ -164,8 +166,8 @@ def against_paper(record, paper_record, row):
     method's own run here. None where the energy is not reached."""
     target = float(row["final_energy"]) / 3
     target += 1e-9 * abs(target)
-    energies = [math.inf if entry["energy"] is None else entry["energy"]
-                for entry in record["history"]]
+    energies = [math.inf if entry["energy"] is None or not is_of_last_loads(record, entry)
+                else entry["energy"] for entry in record["history"]]
     k = first_at_or_below(energies, target)
     if k is None:
         return None

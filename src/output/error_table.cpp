@@ -28,12 +28,13 @@ double uncertainty(const Json &result) {
 }
 
 /// Where the last load step's part of the history begins: energies of the steps before belong to
-/// other loads.
+/// other loads, and those of a path that was given up to none that count.
 Json::const_iterator last_load_step(const Json &history) {
   if (history.empty()) return history.end();
   const int step = history.back().value("load_step", 1);
-  return std::find_if(history.begin(), history.end(),
-                      [&](const Json &state) { return state.value("load_step", 1) == step; });
+  return std::find_if(history.begin(), history.end(), [&](const Json &state) {
+    return !state.value("rejected", false) && state.value("load_step", 1) == step;
+  });
 }
 
 int guess_linear_solves(const Json &result) {

@@ -122,6 +122,9 @@ class HardEnd(unittest.TestCase):
         verdict = next(line for line in record["printed"].splitlines()
                        if line.startswith("converged in"))
         self.assertIn(f"WARNING: {record['result']['inverted']} elements are inverted", verdict)
+        spent = record["result"]["iterations"] - leap["result"]["iterations"]
+        self.assertEqual([row["iterations"] - spent for row in record["result"]["error_table"]],
+                         [row["iterations"] for row in leap["result"]["error_table"]])
         # Both are counted; the states of the path that led elsewhere are marked as such.
         self.assertTrue(all(step["rejected"] for step in record["steps"][:-1]))
         self.assertNotIn("rejected", record["steps"][-1])

@@ -154,6 +154,16 @@ class Paper(unittest.TestCase):
         self.assertEqual(judgement.against_paper(record_with([9.0, 5.0 * (1 + 1e-8), 4.0]),
                                                  theirs, self.ROW), (3, 0.75, 3.0 / 5.0))
 
+    def test_states_of_other_loads_do_not_count(self):
+        path, given_up = record_with([3.0, 9.0, 5.0]), record_with([3.0, 9.0, 5.0])
+        for entry, step in zip(path["history"], (1, 2, 2)):
+            entry["load_step"] = step
+        for entry in given_up["history"]:
+            entry["load_step"] = 1
+        given_up["history"][0]["rejected"] = True
+        for record in (path, given_up):
+            self.assertEqual(judgement.against_paper(record, record_with([9.0] * 4), self.ROW)[0], 3)
+
     def test_table(self):
         scene, method = runs.Scene("of the paper", (), self.ROW), METHODS[0]
         lost = runs.Scene("not reached", (), self.ROW)
