@@ -9,6 +9,7 @@
 #include "mesh/io/surface_file.hpp"
 #include "output/mesh_output.hpp"
 #include "output/series.hpp"
+#include "scene/obstacle_check.hpp"
 #include "scene/scene.hpp"
 #include "support/collective_error.hpp"
 #include "support/petsc_compatibility.hpp"
@@ -63,7 +64,8 @@ struct Obstacles {
   std::vector<HalfSpaceObstacle> planes;
   std::vector<ObstacleSurface> surfaces;
   std::vector<ObstacleMotion> motions;
-  std::vector<double> friction;  ///< of the surfaces
+  std::vector<double> friction;    ///< of the surfaces
+  std::vector<std::string> names;  ///< of the surfaces
 };
 
 Vector3 vector_of(const std::string &text, const std::string &option, const Mesh &mesh) {
@@ -108,13 +110,7 @@ PetscErrorCode read_obstacles(const Scene &scene, Obstacles *obstacles) {
       ObstacleSurface surface;
       for (const auto &p : read.points) surface.points.push_back({p[0], p[1], p[2]});
       surface.facets = read.facets;
-      const bool is_plane = mesh.dimension() == 2;
-      for (const auto &facet : read.facets) {
-        if ((facet[2] < 0) == is_plane) continue;
-        throw InputError("'" + obstacle.file + "' has " +
-                         (is_plane ? "triangles; a plane body meets segments, lines `l` of an .obj"
-                                   : "segments; a body in space meets triangles"));
-      }
+      check_facets(read, obstacle.file, mesh.dimension() == 2);
       const Motion motion(obstacle, mesh);
       for (const Vector3 &point : surface.points) static_cast<void>(motion.at(point, 1));
       obstacles->motions.push_back([motion, points = surface.points](double time) {
@@ -123,6 +119,7 @@ PetscErrorCode read_obstacles(const Scene &scene, Obstacles *obstacles) {
         return moved;
       });
       obstacles->friction.push_back(obstacle.friction.value_or(options.friction));
+      obstacles->names.push_back(obstacle.name);
       obstacles->surfaces.push_back(std::move(surface));
     });
     PetscCall(agree_on_complaint(comm, complaint));
@@ -235,6 +232,7 @@ PetscErrorCode add_contact(const std::vector<int> &region_of_cell, Scene *scene)
       std::make_unique<ContactTerm>(std::move(surface), std::move(parameters),
                                     std::move(obstacles.planes), std::move(obstacles.motions));
   PetscCall(check_rest(*scene, diagonal, *term));
+  PetscCall(check_outside(mesh, obstacles.surfaces, obstacles.names));
   if (!options.iterates.empty()) PetscCall(write_iterates(scene, *term));
   scene->contact = term.get();
   scene->functional->add_term(std::move(term));

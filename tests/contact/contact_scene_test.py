@@ -238,6 +238,23 @@ class Refused(ContactTest):
         self.refused(["-mesh_file", "boxes.mesh", "-contact_self", "-constraints", "all",
                       "-constraint_all_where", "z == zmin || z == zmax"], "too near for contact")
 
+    def obstacle(self, points, facets):
+        with open(self.path("thing.obj"), "w", encoding="utf-8") as file:
+            file.writelines("v %g %g %g\n" % point for point in points)
+            file.writelines("f %d %d %d\n" % facet for facet in facets)
+        return ["-obstacles", "thing", "-obstacle_thing_file", "thing.obj"]
+
+    def test_an_obstacle_within_a_body(self):
+        points = [(.4, .4, .4), (.6, .4, .4), (.5, .6, .4), (.5, .5, .6)]
+        facets = [(1, 3, 2), (1, 2, 4), (2, 3, 4), (3, 1, 4)]
+        self.refused([*BOX, *TOP, *self.obstacle(points, facets)],
+                     "obstacle 'thing' lies within a body at rest")
+
+    def test_a_triangle_without_area(self):
+        points = [(0, 0, -1), (2, 0, -1), (0, 2, -1), (1, 0, -1)]
+        self.refused([*BOX, *TOP, *self.obstacle(points, [(1, 2, 3), (1, 2, 4)])],
+                     "triangle 2 of 'thing.obj' has no area")
+
     def test_what_is_prescribed_into_an_obstacle(self):
         low = ["-constraints", "low", "-constraint_low_where", "z == zmin", "-constraint_low_move"]
         for ranks in (1, 2):
