@@ -124,16 +124,10 @@ struct Kernels {
 
   static void energy_changes(const MaterialModel &material, const ElementPacks &packed,
                              PetscInt first, PetscInt count, const double *u, int directions,
-                             const double *const *d, int samples, const double *coefficients,
-                             double *changes) {
+                             const double *const *d, std::span<const PlanePoint> plane,
+                             double *sums) {
     Real U[3][modes][dim], G[modes][dim];
     alignas(64) double H[3][9 * lanes] = {}, weight[lanes];  // of u and of the directions
-    std::vector<PlanePoint> points_of_plane;
-    for (int sample = 0; sample < samples; ++sample) {
-      const double *c = coefficients + directions * sample;
-      points_of_plane.emplace_back(c[0], directions > 1 ? c[1] : 0);
-    }
-    std::vector<double> sums(lanes * points_of_plane.size(), 0);
     for (PetscInt pack = first; pack < first + count; ++pack) {
       const Elements elements(packed, pack);
       elements.displacements(u, U[0]);
@@ -142,10 +136,9 @@ struct Kernels {
         elements.gradients(q, G);
         for (int k = 0; k <= directions; ++k) displacement_gradient(U[k], G, H[k]);
         elements.weight(q).store(weight);
-        material.energy_changes(H[0], H[1], H[2], points_of_plane, weight, sums.data());
+        material.energy_changes(H[0], H[1], H[2], plane, weight, sums);
       }
     }
-    for (std::size_t k = 0; k < sums.size(); ++k) changes[k / lanes] += sums[k];
   }
 
   static void forces(const MaterialModel &material, const ElementPacks &packed, PetscInt first,

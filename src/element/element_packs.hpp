@@ -61,12 +61,11 @@ struct ElementKernels {
   /// Adds sum psi w to sums[0] and sum |psi| w to sums[1], psi less psi(I).
   void (*energy)(const MaterialModel &material, const ElementPacks &elements, PetscInt first,
                  PetscInt count, const double *u, double *sums);
-  /// Adds sum w (psi(u + sum_k c_k d_k) - psi(u)) to changes[p] for each of `samples` rows c of
-  /// coefficients, one for each of `directions` (one or two) local arrays d. One pass.
+  /// Adds w (psi(u + a d_0 + b d_1) - psi(u)) at each of the points (a, b) of a plane to its eight
+  /// sums, one a lane; with one of the `directions`, local arrays d, b does not count. One pass.
   void (*energy_changes)(const MaterialModel &material, const ElementPacks &elements,
                          PetscInt first, PetscInt count, const double *u, int directions,
-                         const double *const *d, int samples, const double *coefficients,
-                         double *changes);
+                         const double *const *d, std::span<const PlanePoint> points, double *sums);
   /// Adds the elements' forces, sum over the points of w P g_a.
   void (*forces)(const MaterialModel &material, const ElementPacks &elements, PetscInt first,
                  PetscInt count, const double *u, double *forces);

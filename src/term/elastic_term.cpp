@@ -92,11 +92,17 @@ PetscErrorCode ElasticTerm::add_energy(const double *u, EnergySums *sums) const 
 PetscErrorCode ElasticTerm::add_energy_changes(const double *u, std::size_t, int directions,
                                                const double *const *d, int points,
                                                const double *coefficients, double *changes) const {
+  std::vector<PlanePoint> plane;
   PetscFunctionBeginUser;
+  for (const double *c = coefficients; c < coefficients + directions * points; c += directions) {
+    plane.emplace_back(c[0], directions > 1 ? c[1] : 0);
+  }
+  std::vector<double> sums(lanes * plane.size(), 0);
   materials_.for_each_run(0, packs_->packs(), [&](const MaterialRuns::Run &run) {
-    kernels_.energy_changes(*run.material, *packs_, run.first, run.count, u, directions, d, points,
-                            coefficients, changes);
+    kernels_.energy_changes(*run.material, *packs_, run.first, run.count, u, directions, d, plane,
+                            sums.data());
   });
+  for (std::size_t k = 0; k < sums.size(); ++k) changes[k / lanes] += sums[k];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <random>
 
 #include "assembly/block_sums.hpp"
@@ -266,7 +267,7 @@ TEST_P(ElementPacksTest, ChangesAreDifferencesOfEnergies) {
     }
   }
   const double *directions[2] = {d[0].data(), d[1].data()};
-  const double coefficients[6] = {0.5, -1, 0.25, 0.75, 0, 0};
+  const std::vector<PlanePoint> points{{0.5, -1}, {0.25, 0.75}, {0, 0}};
   const auto energy_at = [&](double a, double b) {
     std::vector<double> moved = heap_.u;
     for (std::size_t k = 0; k < moved.size(); ++k) moved[k] += a * d[0][k] + b * d[1][k];
@@ -275,15 +276,15 @@ TEST_P(ElementPacksTest, ChangesAreDifferencesOfEnergies) {
     return sums[0];
   };
   for (const int dimensions : {1, 2}) {
-    const int samples = 6 / dimensions;
-    std::vector<double> changes(static_cast<std::size_t>(samples), 1);
+    std::vector<double> sums(3 * lanes, 1);
     kernels_.energy_changes(*model_, packs_, 0, packs_.packs(), heap_.u.data(), dimensions,
-                            directions, samples, coefficients, changes.data());
-    for (int s = 0; s < samples; ++s) {
-      const double *c = coefficients + dimensions * s;
-      const double expected = energy_at(c[0], dimensions == 2 ? c[1] : 0) - energy_at(0, 0);
-      EXPECT_NEAR(changes[static_cast<std::size_t>(s)], 1 + expected, 1e-12 * energy_at(0, 0))
-          << dimensions << ' ' << s;
+                            directions, points, sums.data());
+    for (int p = 0; p < 3; ++p) {
+      const PlanePoint &point = points[static_cast<std::size_t>(p)];
+      const double b = dimensions == 2 ? point.b() : 0;
+      const double expected = energy_at(point.a(), b) - energy_at(0, 0);
+      const double change = std::accumulate(&sums[lanes * p], &sums[lanes * p] + lanes, 0.0);
+      EXPECT_NEAR(change, lanes + expected, 1e-12 * energy_at(0, 0)) << dimensions << ' ' << p;
     }
   }
 }
