@@ -69,10 +69,15 @@ def errors_of(record, reference):
 
 def cost_at(record, k):
     """(iterations, linear solves, seconds) of a run that ends at state k: the direction that a stop
-    test needs is included, and so is the starting guess."""
-    entry, result = record["history"][k], record["result"]
-    return (min(entry["k"] + 1, result["iterations"]),
-            result.get("guess_linear_solves", 0) + entry["linear_solves"], entry["seconds"])
+    test needs is included, and so is the starting guess. A path that was walked in vain after a leap
+    stands before it in the history; what came later is no cost of a state."""
+    history, result = record["history"], record["result"]
+    entry = history[k]
+    later = [other for other in history[:k] if other["seconds"] > entry["seconds"]]
+    solves_of_later = later[-1]["linear_solves"] if later else 0
+    return (min(entry["k"] + 1 - len(later), result["iterations"]),
+            result.get("guess_linear_solves", 0) + entry["linear_solves"] - solves_of_later,
+            entry["seconds"])
 
 
 def first_at_or_below(values, bound):

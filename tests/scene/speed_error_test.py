@@ -115,6 +115,14 @@ class Levels(unittest.TestCase):
         self.assertEqual(judged[SCENE, METHODS[0]].levels[1e-1], (4, 4, 4.0))
         self.assertEqual(judgement.stop_at(path, references[SCENE], 1e-2), (3, 2.0))
 
+    def test_a_path_walked_in_vain_after_the_leap_is_no_cost_of_its_states(self):
+        run = record_with([1.0, 0.5, 9.0, 6.0, 5.0])
+        for k, entry in enumerate(run["history"]):
+            entry["rejected"] = k < 2
+            entry["seconds"] += 10 if k < 2 else 0
+        _, judged = judge(run)
+        self.assertEqual(judged[SCENE, METHODS[0]].levels[1e-1], (3, 3, 5.0))
+
     def test_another_minimum_never_comes_close(self):
         _, judged = judge(record_with([4.0, 0.0]), record_with([4.0, 1.0, 0.1]))
         levels = judged[SCENE, METHODS[1]].levels
