@@ -116,7 +116,8 @@ def draw_sweep(axes, run, values, scene_at, methods_at, title, label):
     for name, line in lines.items():
         axes.plot(range(len(line)), line, ".-", color=COLOURS[name], label=name, linewidth=1)
     tidy(axes, title, label, "iterations [-]")
-    axes.set_xticks(range(len(values)), [f"{value:g}" for value in values], fontsize=8)
+    axes.set_xticks(range(len(values)), [f"{value:g}" for value in values], fontsize=7,
+                    rotation=30)
     axes.set_ylim(0, None)
 
 
