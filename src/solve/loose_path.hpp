@@ -33,7 +33,7 @@ class LoosePath {
   PetscErrorCode save(SavedRun *run) const;
   PetscErrorCode go_on();
   [[nodiscard]] bool has_arrived() const { return sizes_.is_done(); }
-  [[nodiscard]] const std::vector<SolveRecord> &records() const { return records_; }
+  [[nodiscard]] const std::vector<AttemptRecord> &records() const { return records_; }
 
  private:
   static constexpr double first_step = 1. / 3, least_step = first_step / 8;
@@ -51,7 +51,7 @@ class LoosePath {
   MPI_Comm comm_;
   StepSizes sizes_;
   LoadPath path_;
-  std::vector<SolveRecord> records_;
+  std::vector<AttemptRecord> records_;
   bool has_led_below_ = false;                       ///< its end is nearly reached, and lower
   bool goes_on_ = false, goes_on_in_solve_ = false;  ///< from where it was saved
 };

@@ -51,7 +51,7 @@ class Tries {
   Attempt attempt_;            ///< the one that counts, so far
   Vec end_of_leap_ = nullptr;  ///< null: it was not tried
   bool path_counts_ = false;
-  std::vector<SolveRecord> leap_records_, path_records_;
+  std::vector<AttemptRecord> leap_records_, path_records_;
 };
 
 PetscErrorCode Tries::save(SavedRun *run) const {
@@ -151,8 +151,8 @@ PetscErrorCode Tries::take_path() {
 /// One record, in which what counts comes last.
 void Tries::join() {
   RunRecord run("load_step");
-  const auto add = [&](const std::vector<SolveRecord> &records, bool counts) {
-    for (const SolveRecord &record : records) {
+  const auto add = [&](const std::vector<AttemptRecord> &records, bool counts) {
+    for (const AttemptRecord &record : records) {
       run.add(record.json, record.load_step, record.is_rejected || !counts);
     }
   };

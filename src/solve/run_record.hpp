@@ -7,7 +7,7 @@
 namespace trefoil {
 
 /// One solve, as the plugin recorded it.
-struct SolveRecord {
+struct AttemptRecord {
   std::string json;
   int load_step = 1;
   bool is_rejected = false;

@@ -51,9 +51,9 @@ StepSizes::Reached steps_reached_of(const nlohmann::ordered_json &json) {
   return {json.at("time"), json.at("step"), json.at("accepted"), json.at("was_halved")};
 }
 
-nlohmann::ordered_json json_of(const std::vector<SolveRecord> &records) {
+nlohmann::ordered_json json_of(const std::vector<AttemptRecord> &records) {
   auto list = nlohmann::ordered_json::array();
-  for (const SolveRecord &record : records) {
+  for (const AttemptRecord &record : records) {
     list.push_back({{"json", record.json},
                     {"load_step", record.load_step},
                     {"is_rejected", record.is_rejected}});
@@ -61,8 +61,8 @@ nlohmann::ordered_json json_of(const std::vector<SolveRecord> &records) {
   return list;
 }
 
-std::vector<SolveRecord> records_of(const nlohmann::ordered_json &json) {
-  std::vector<SolveRecord> records;
+std::vector<AttemptRecord> records_of(const nlohmann::ordered_json &json) {
+  std::vector<AttemptRecord> records;
   for (const auto &record : json) {
     records.push_back({record.at("json"), record.at("load_step"), record.at("is_rejected")});
   }

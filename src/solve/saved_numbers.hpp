@@ -19,8 +19,8 @@ nlohmann::ordered_json json_of(const StepSizes::Reached &reached);
 StepSizes::Reached steps_reached_of(const nlohmann::ordered_json &json);
 
 /// Solves that are recorded one by one.
-nlohmann::ordered_json json_of(const std::vector<SolveRecord> &records);
-std::vector<SolveRecord> records_of(const nlohmann::ordered_json &json);
+nlohmann::ordered_json json_of(const std::vector<AttemptRecord> &records);
+std::vector<AttemptRecord> records_of(const nlohmann::ordered_json &json);
 
 /// How a solve went, without its record.
 nlohmann::ordered_json json_of(const Attempt &attempt);

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""No room of more than 15 % of the lines of src/ and include/, no function of more than 80 lines."""
+"""No room of more than 15 % of the lines of src/ and include/, no function of more than 80 lines, no
+name of two types."""
 import ast
 import collections
 import os
@@ -42,7 +43,29 @@ def functions(lines):
                     break
 
 
+def types(lines):
+    """Names, with that of the namespace, of what a header defines outside of other types."""
+    namespace = ""
+    for line in lines:
+        opened = re.match(r"namespace ([\w:]+) \{", line)
+        namespace = opened[1] if opened else namespace
+        defined = re.match(r"(?:struct|class|enum class) (\w+)(?: final)?(?: : .*)? \{", line)
+        if defined:
+            yield f"{namespace}::{defined[1]}"
+
+
 class Sizes(unittest.TestCase):
+    def test_no_two_types_have_one_name(self):
+        # The linker merges their functions, also those of the two libraries.
+        first = {}
+        for path, lines in sources(".hpp"):
+            if not path.startswith(("src", "include")):
+                continue
+            for name in types(lines):
+                self.assertNotIn(name, first, f"{path} and {first.get(name)}")
+                first[name] = path
+        self.assertGreater(len(first), 200)
+
     def test_no_function_is_long(self):
         seen = 0
         for path, lines in sources(".cpp", ".hpp", ".c", ".h"):
