@@ -5,6 +5,7 @@
 #include <string>
 
 #include "assembly/corner_interpolation.hpp"
+#include "solve/cholesky.hpp"
 #include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
@@ -62,22 +63,14 @@ PetscErrorCode set_smoother(KSP smoother) {
 PetscErrorCode set_coarse_solver(KSP coarse, Mat matrix) {
   constexpr PetscInt most_to_factor = 40000;  // unknowns
   PetscInt size = 0;
-  PetscMPIInt ranks = 0;
   PC pc = nullptr;
   PetscFunctionBeginUser;
-  PetscCallMPI(MPI_Comm_size(PetscObjectComm(reinterpret_cast<PetscObject>(coarse)), &ranks));
   PetscCall(MatGetSize(matrix, &size, nullptr));
   PetscCall(KSPGetPC(coarse, &pc));
   if (size > most_to_factor) {
     PetscCall(set_aggregation(pc));
   } else {
-    PetscCall(PCSetType(pc, PCCHOLESKY));
-#if defined(PETSC_HAVE_SUITESPARSE)
-    if (ranks == 1) PetscCall(PCFactorSetMatSolverType(pc, MATSOLVERCHOLMOD));
-#endif
-#if defined(PETSC_HAVE_MUMPS)
-    if (ranks > 1) PetscCall(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
-#endif
+    PetscCall(set_cholesky(pc));
   }
   PetscCall(KSPSetFromOptions(coarse));
   PetscFunctionReturn(PETSC_SUCCESS);

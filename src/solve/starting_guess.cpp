@@ -5,6 +5,7 @@
 
 #include <array>
 
+#include "solve/cholesky.hpp"
 #include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
@@ -130,23 +131,15 @@ PetscErrorCode ComponentSolver::correct(Vec g, Vec x) {
 
 PetscErrorCode set_guess_solver(KSP ksp, bool iterative) {
   PC pc = nullptr;
-  PetscMPIInt ranks = 0;
   PetscFunctionBeginUser;
   PetscCall(KSPGetPC(ksp, &pc));
-  PetscCallMPI(MPI_Comm_size(PetscObjectComm(reinterpret_cast<PetscObject>(ksp)), &ranks));
   if (iterative) {
     PetscCall(KSPSetType(ksp, KSPCG));
     PetscCall(KSPSetTolerances(ksp, 1e-4, PETSC_DEFAULT, PETSC_DEFAULT, 500));
     PetscCall(PCSetType(pc, PCGAMG));
   } else {
     PetscCall(KSPSetType(ksp, KSPPREONLY));
-    PetscCall(PCSetType(pc, PCCHOLESKY));
-#if defined(PETSC_HAVE_SUITESPARSE)
-    if (ranks == 1) PetscCall(PCFactorSetMatSolverType(pc, MATSOLVERCHOLMOD));
-#endif
-#if defined(PETSC_HAVE_MUMPS)
-    if (ranks > 1) PetscCall(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
-#endif
+    PetscCall(set_cholesky(pc));
   }
   PetscCall(KSPSetOptionsPrefix(ksp, "guess_"));
   PetscCall(KSPSetFromOptions(ksp));
