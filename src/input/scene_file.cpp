@@ -18,11 +18,9 @@ namespace trefoil {
 namespace {
 
 /// Lists of named parts, and what an option of one part begins with.
-const std::map<std::string, std::string> singular{{"constraints", "constraint"},
-                                                  {"regions", "region"},
-                                                  {"loads", "load"},
-                                                  {"probes", "probe"},
-                                                  {"obstacles", "obstacle"}};
+const std::map<std::string, std::string> singular{
+    {"constraints", "constraint"}, {"regions", "region"}, {"loads", "load"},
+    {"probes", "probe"},           {"bodies", "body"},    {"obstacles", "obstacle"}};
 
 /// One document of a YAML file, as libyaml makes it.
 class Document {

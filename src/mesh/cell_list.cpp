@@ -48,6 +48,7 @@ void number_as_in_file(CellList &mesh) {
   std::iota(mesh.vertex_number.begin(), mesh.vertex_number.end(), 0);
   std::iota(mesh.cell_number.begin(), mesh.cell_number.end(), 0);
   mesh.file_vertices = mesh.vertices();
+  mesh.file_cells = mesh.size();
 }
 
 void renumber_vertices(CellList &mesh, const std::vector<PetscInt> &new_number, PetscInt count) {

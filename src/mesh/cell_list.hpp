@@ -11,6 +11,12 @@
 
 namespace trefoil {
 
+/// One of several bodies of a mesh: its file's vertices have these numbers, from `first_vertex` on.
+struct BodyNumbers {
+  std::string name;
+  PetscInt first_vertex = 0;
+};
+
 /// A mesh as a mesher writes it: held whole, by one rank. Points live in space; the cells of a
 /// plane mesh lie in z = 0. The vertices are the nodes of the elements: in a quadratic mesh the
 /// midpoints of the edges are among them.
@@ -22,7 +28,9 @@ struct CellList {
   /// Of each vertex and cell, where it came in the file, 0-based; what the file has not comes
   /// behind all that it has, with a number of its own. Empty: as they stand.
   std::vector<PetscInt> vertex_number{}, cell_number{};
-  PetscInt file_vertices = 0;  ///< vertices of the file, where they are numbered
+  PetscInt file_vertices = 0;         ///< vertices of the file, where they are numbered
+  PetscInt file_cells = 0;            ///< likewise
+  std::vector<BodyNumbers> bodies{};  ///< of several files; see join_bodies()
 
   [[nodiscard]] int dimension() const { return shape->dimension; }
   [[nodiscard]] int corners() const { return shape->corners; }

@@ -90,11 +90,15 @@ std::vector<std::vector<PetscInt>> divide(const CellList &whole, const Partition
 
 }  // namespace
 
+/// Between the body of a group and its name.
+constexpr char end_of_body = '\x1f';
+
 GroupTables pack_groups(const Groups &groups) {
   GroupTables tables;
   tables.numbers.push_back(static_cast<PetscInt>(groups.list().size()));
   for (const Group &group : groups.list()) {
     tables.numbers.insert(tables.numbers.end(), {group.dimension, group.number});
+    if (!group.body.empty()) tables.names += group.body + end_of_body;
     tables.names += group.name + '\0';
   }
   for (const std::vector<int> &set : groups.sets()) {
@@ -114,10 +118,14 @@ void unpack_groups(const GroupTables &tables, Groups *groups) {
   };
   const PetscInt count = take(0, PETSC_MAX_INT);
   for (PetscInt group = 0; group < count; ++group) {
-    std::string name;
+    std::string name, body;
     std::getline(names, name, '\0');
+    if (const auto end = name.find(end_of_body); end != std::string::npos) {
+      body = name.substr(0, end);
+      name.erase(0, end + 1);
+    }
     const auto dimension = static_cast<int>(take(0, 3));
-    if (groups->add(dimension, take(PETSC_MIN_INT, PETSC_MAX_INT)) != group)
+    if (groups->add(dimension, take(PETSC_MIN_INT, PETSC_MAX_INT), body) != group)
       throw InputError("its tables of groups are damaged");
     groups->name(static_cast<int>(group), name);
   }

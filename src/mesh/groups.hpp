@@ -3,9 +3,11 @@
 #include <petscsystypes.h>
 
 #include <array>
+#include <limits>
 #include <map>
 #include <span>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -18,6 +20,10 @@ struct Group {
   PetscInt number = 0;  ///< as the file has it
   std::string name{};   ///< empty: it has only its number
   PetscInt count = 0;   ///< points, edges, faces or cells in it, of a distributed mesh on all ranks
+  std::string body{};   ///< of several bodies the one that it belongs to
+
+  /// The number of the group of all cells of one of several bodies.
+  static constexpr PetscInt whole = std::numeric_limits<PetscInt>::min();
 };
 
 /// Those entities of one dimension below the cells' that are in groups: each by its corners'
@@ -42,8 +48,9 @@ class Groups {
   /// Whether each set has a group in it.
   [[nodiscard]] std::vector<char> sets_with(int group) const;
 
-  /// Place in list() of the group of this number, which is made where there is none.
-  int add(int dimension, PetscInt number);
+  /// Place in list() of the group of this number, of a body where there are several, which is made
+  /// where there is none.
+  int add(int dimension, PetscInt number, const std::string &body = "");
   /// Names a group that has no name yet.
   void name(int group, const std::string &name);
   void set_count(int group, PetscInt count) {
@@ -59,22 +66,23 @@ class Groups {
  private:
   std::vector<Group> list_;
   std::vector<std::vector<int>> sets_{{}};
-  std::map<std::pair<int, PetscInt>, int> places_;
+  std::map<std::tuple<std::string, int, PetscInt>, int> places_;
   std::map<std::vector<int>, PetscInt> numbers_{{{}, 0}};
   int last_group_ = -1;  // that set_of(dimension, number) was asked for
   PetscInt last_set_ = 0;
 };
 
-/// "surface 7 'wall'"
+/// "surface 7 'wall'"; of one of several bodies "surface 7 'low/wall'"
 std::string text_of(const Group &group);
 
 /// The group that the user calls `text`: by its name, by its number, or by both kind and number, as
-/// "surface 7" or "curve 7".
+/// "surface 7" or "curve 7". Of several bodies each has its own, "low/wall", "low/surface 7"; what
+/// one body only has is also called by its own name. All cells of a body are called by its name.
 /// @param dimensions what will do, in the order in which it is looked for
 /// @param option whose value `text` is, for errors, "-load_wind_group"
 /// @return its place in groups.list()
 /// @throws InputError, which lists the groups that will do, where there is none; or which says that
-/// the group is of another dimension
+/// the group is of another dimension, or that several bodies have it
 int find_group(const Groups &groups, const std::string &text, std::span<const int> dimensions,
                const std::string &option);
 

@@ -33,8 +33,9 @@ struct Mesh {
   Groups groups;  ///< of local cells and vertices, counts of the whole mesh
   /// Of each local vertex and cell, where it came in the mesh file (see CellList).
   std::vector<PetscInt> vertex_number, cell_number;
-  PetscInt file_vertices = 0;  ///< vertices of the file: others have higher numbers
-  std::vector<PetscInt> part;  ///< of each local vertex: the unconnected part it is in
+  PetscInt file_vertices = 0;       ///< vertices of the file: others have higher numbers
+  std::vector<BodyNumbers> bodies;  ///< of several files, the same on all ranks
+  std::vector<PetscInt> part;       ///< of each local vertex: the unconnected part it is in
   std::array<double, 3> box_min{}, box_max{};  ///< of the whole mesh
 
   PetscInt total_cells = 0, total_vertices = 0;

@@ -64,8 +64,7 @@ struct Obstacles {
   std::vector<HalfSpaceObstacle> planes;
   std::vector<ObstacleSurface> surfaces;
   std::vector<ObstacleMotion> motions;
-  std::vector<double> friction;    ///< of the surfaces
-  std::vector<std::string> names;  ///< of the surfaces
+  std::vector<double> friction;  ///< of the surfaces
 };
 
 Vector3 vector_of(const std::string &text, const std::string &option, const Mesh &mesh) {
@@ -107,7 +106,7 @@ PetscErrorCode read_obstacles(const Scene &scene, Obstacles *obstacles) {
         obstacles->planes.push_back(make_plane(obstacle, options.friction, mesh));
         return;
       }
-      ObstacleSurface surface;
+      ObstacleSurface surface{obstacle.name, {}, {}};
       for (const auto &p : read.points) surface.points.push_back({p[0], p[1], p[2]});
       surface.facets = read.facets;
       check_facets(read, obstacle.file, mesh.dimension() == 2);
@@ -119,7 +118,6 @@ PetscErrorCode read_obstacles(const Scene &scene, Obstacles *obstacles) {
         return moved;
       });
       obstacles->friction.push_back(obstacle.friction.value_or(options.friction));
-      obstacles->names.push_back(obstacle.name);
       obstacles->surfaces.push_back(std::move(surface));
     });
     PetscCall(agree_on_complaint(comm, complaint));
@@ -232,7 +230,7 @@ PetscErrorCode add_contact(const std::vector<int> &region_of_cell, Scene *scene)
       std::make_unique<ContactTerm>(std::move(surface), std::move(parameters),
                                     std::move(obstacles.planes), std::move(obstacles.motions));
   PetscCall(check_rest(*scene, diagonal, *term));
-  PetscCall(check_outside(mesh, obstacles.surfaces, obstacles.names));
+  PetscCall(check_outside(mesh, obstacles.surfaces));
   if (!options.iterates.empty()) PetscCall(write_iterates(scene, *term));
   scene->contact = term.get();
   scene->functional->add_term(std::move(term));

@@ -54,13 +54,12 @@ bool contains(const Mesh &mesh, const PetscInt *cell, const Vector3 &point) {
 
 }  // namespace
 
-PetscErrorCode check_outside(const Mesh &mesh, const std::vector<ObstacleSurface> &surfaces,
-                             const std::vector<std::string> &names) {
+PetscErrorCode check_outside(const Mesh &mesh, const std::vector<ObstacleSurface> &surfaces) {
   const MPI_Comm comm = PetscObjectComm(reinterpret_cast<PetscObject>(mesh.dm));
   const auto before = [](const Vector3 &a, const Vector3 &b) { return a.x < b.x; };
   PetscFunctionBeginUser;
-  for (std::size_t k = 0; k < surfaces.size(); ++k) {
-    std::vector<Vector3> points = surfaces[k].points;
+  for (const ObstacleSurface &surface : surfaces) {
+    std::vector<Vector3> points = surface.points;
     PetscMPIInt within = 0;
     std::sort(points.begin(), points.end(), before);
     for (PetscInt c = 0; c < mesh.local_cells() && !within; ++c) {
@@ -79,7 +78,7 @@ PetscErrorCode check_outside(const Mesh &mesh, const std::vector<ObstacleSurface
     PetscCheck(
         !within, comm, PETSC_ERR_USER_INPUT,
         "obstacle '%s' lies within a body at rest; contact needs a start where all are apart",
-        names[k].c_str());
+        surface.name.c_str());
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

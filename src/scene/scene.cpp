@@ -21,6 +21,7 @@ namespace {
 MeshOptions mesh_options(const SceneOptions &options) {
   return {.file = options.mesh_file,
           .generate = options.generate,
+          .bodies = options.bodies,
           .resolution = options.resolution,
           .refine = options.refine,
           .order = options.order,
@@ -140,10 +141,8 @@ Scene::~Scene() {
 
 PetscErrorCode write_mesh(MPI_Comm comm, const SceneOptions &options) {
   Mesh mesh;
-  const MeshOptions from = mesh_options(options);
   PetscFunctionBeginUser;
-  PetscCall(load_mesh(
-      comm, from, [&](const CellList &whole) { check_bent_cells(whole, from.name()); }, &mesh));
+  PetscCall(load_mesh(comm, mesh_options(options), check_bent_cells, &mesh));
   PetscCall(write_hdf5_mesh(comm, options.mesh_write, mesh));
   PetscCall(PetscPrintf(comm, "wrote %s\n", options.mesh_write.c_str()));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -157,10 +156,7 @@ PetscErrorCode build_scene(MPI_Comm comm, const SceneOptions &options, Scene *sc
   PetscFunctionBeginUser;
   scene->options = options;
   PetscCall(PetscTime(&begin));
-  const MeshOptions mesh = mesh_options(options);
-  PetscCall(load_mesh(
-      comm, mesh, [&](const CellList &whole) { check_bent_cells(whole, mesh.name()); },
-      &scene->mesh));
+  PetscCall(load_mesh(comm, mesh_options(options), check_bent_cells, &scene->mesh));
   PetscCall(PetscTime(&loaded));
   PetscCall(scene->constraints.choose(scene->mesh, options));
   if (options.time.is_on) PetscCall(scene->constraints.warn_of_jumps());

@@ -18,6 +18,8 @@ std::vector<OptionRow> mesh_rows(SceneOptions &options) {
        "",
        {},
        essential},
+      {"mesh_files", &options.mesh_files,
+       "Instead: files of several bodies, which are called by their names without ending"},
       {"mesh_generate",
        &options.generate,
        "Instead: a body made here",
@@ -256,6 +258,7 @@ std::vector<OptionGroup> scene_option_groups() {
   static LoadOptions load{"NAME"};
   static ProbeOptions probe{"NAME"};
   static ObstacleOptions obstacle{"NAME"};
+  static BodyOptions body{"NAME"};
   static MaterialInput material, region_material;
   static std::vector<std::string> none;
   material.model = options.material.model;
@@ -268,7 +271,7 @@ std::vector<OptionGroup> scene_option_groups() {
   std::vector<OptionRow> of_region = material_rows("region_NAME_material", region_material);
   for (OptionRow &row : of_region) row.is_essential = false;
   return {
-      {"Mesh", mesh_rows(options)},
+      {"Mesh", joined({mesh_rows(options), {names_row("bodies", none)}, body_rows(body)})},
       {"Material", material_rows("material", material)},
       {"Regions with a material of their own",
        joined({{names_row("regions", none)}, region_rows(region), of_region})},

@@ -135,6 +135,7 @@ PetscErrorCode check_files(MPI_Comm comm, const SceneOptions &options) {
   PetscFunctionBeginUser;
   std::vector<std::string> taken = options.scene_files;
   taken.push_back(options.mesh_file);
+  for (const BodySource &body : options.bodies) taken.push_back(body.file);
   taken.push_back(options.initial_file);
   std::vector<std::pair<std::string, std::string>> written{
       {"mesh_write", options.mesh_write},
@@ -206,15 +207,19 @@ PetscErrorCode check_checkpoint(MPI_Comm comm, const SceneOptions &options) {
 
 PetscErrorCode check_values(MPI_Comm comm, const SceneOptions &options) {
   PetscFunctionBeginUser;
-  PetscCheck(options.mesh_file.empty() != options.generate.empty(), comm, PETSC_ERR_USER_INPUT,
-             options.mesh_file.empty()
-                 ? "there is no mesh: give -mesh_file or -mesh_generate"
-                 : "a scene has one mesh: give either -mesh_file or -mesh_generate, not both");
+  const int sources =
+      !options.mesh_file.empty() + !options.generate.empty() + !options.bodies.empty();
+  PetscCheck(sources > 0, comm, PETSC_ERR_USER_INPUT,
+             "there is no mesh: give -mesh_file, -mesh_generate, or several bodies by -mesh_files "
+             "or -bodies");
+  PetscCheck(sources == 1, comm, PETSC_ERR_USER_INPUT,
+             "a scene has one mesh: give one of -mesh_file, -mesh_generate, -mesh_files, -bodies");
   PetscCall(check_partitioner(comm, options.partitioner));
   PetscCheck(options.refine >= 0 && options.resolution >= 0, comm, PETSC_ERR_USER_INPUT,
              "-mesh_refine and -mesh_resolution must not be negative");
-  PetscCheck(options.resolution == 0 || options.mesh_file.empty(), comm, PETSC_ERR_USER_INPUT,
-             "-mesh_resolution is for generated meshes; use -mesh_refine for a mesh from a file");
+  PetscCheck(options.resolution == 0 || !options.generate.empty(), comm, PETSC_ERR_USER_INPUT,
+             "-mesh_resolution is for -mesh_generate; use -mesh_refine for a mesh from a file, and "
+             "-body_NAME_resolution for a body that is generated");
   PetscCheck(options.order >= 0 && options.order <= 2, comm, PETSC_ERR_USER_INPUT,
              "-order is %" PetscInt_FMT
              "; elements are linear (1), quadratic (2), or as the mesh has them (0)",
@@ -259,6 +264,7 @@ PetscErrorCode read_scene_options(MPI_Comm comm, SceneOptions *options) {
   OptionReader reader(comm);
   PetscFunctionBeginUser;
   PetscCall(reader.read(mesh_rows(*options)));
+  PetscCall(read_bodies(comm, reader, options->mesh_files, &options->bodies));
   PetscCall(read_material(comm, reader, "material", &options->material));
   PetscCall(read_regions(comm, reader, options));
   PetscCall(read_constraints(comm, reader, options));

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "scene/body_options.hpp"
 #include "scene/contact_options.hpp"
 #include "scene/material_options.hpp"
 #include "scene/time_options.hpp"
@@ -76,8 +77,10 @@ struct LoadsOptions {
 
 /// A scene as the user describes it, see scene_option_groups() for the names of the options.
 struct SceneOptions {
-  std::string mesh_file, generate;
-  std::string mesh_write;  ///< write the mesh to this file, in HDF5, and solve nothing
+  std::string mesh_file, generate;      ///< one of them, or
+  std::vector<std::string> mesh_files;  ///< several, or
+  std::vector<BodySource> bodies;       ///< several that are named; those of mesh_files too
+  std::string mesh_write;               ///< write the mesh to this file, in HDF5, and solve nothing
   PetscInt resolution = 0, refine = 0;
   bool normalize = false;
   std::string repair = "none", partitioner = "metis";

@@ -14,12 +14,18 @@ std::string ContactTerm::name_of(int body, std::span<const int> vertices) const 
   std::ostringstream text;
   const char *const kinds[] = {"", "vertex", "edge", "triangle"};
   text << kinds[vertices.size()] << " (";
+  const BodyNumbers *of = nullptr;
   for (std::size_t k = 0; k < vertices.size(); ++k) {
     const auto number = surface().vertices[static_cast<std::size_t>(vertices[k])].number;
-    text << (k ? ", " : "") << number + 1;
+    const BodyNumbers *const file = surface_->file_of(body, number);
+    text << (k ? ", " : "") << number + 1 - (file ? file->first_vertex : 0);
+    of = of ? of : file;
   }
   text << ")";
-  if (body >= surface_->first_obstacle()) text << " of an obstacle";
+  if (of) text << " of " << of->name;
+  if (body >= surface_->first_obstacle()) {
+    text << " of obstacle '" << surface_->name_of_obstacle(body) << "'";
+  }
   return text.str();
 }
 

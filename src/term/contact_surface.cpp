@@ -105,6 +105,7 @@ void ContactSurface::append_obstacles(std::span<const ObstacleSurface> obstacles
   for (const ObstacleSurface &obstacle : obstacles) {
     const int begin = static_cast<int>(vertices->size());
     obstacle_begin_.push_back(begin);
+    obstacle_names_.push_back(obstacle.name);
     for (std::size_t k = 0; k < obstacle.points.size(); ++k) {
       vertices->push_back(
           {obstacle.points[k], static_cast<std::int64_t>(k), body, -1, contact::Role::obstacle});
@@ -131,6 +132,8 @@ PetscErrorCode ContactSurface::set_up(const Mesh &mesh, const std::vector<PetscI
   PetscCall(gather_facets(mesh, stiffness, &gathered));
   PetscCall(gather_vertices(mesh, global_dofs, &gathered));
   first_obstacle_ = static_cast<int>(mesh.parts);
+  files_ = mesh.bodies;
+  file_vertices_ = mesh.file_vertices;
 
   const std::vector<PetscInt> &numbers = gathered.numbers;
   const auto index_of = [&](PetscInt of) {
@@ -173,6 +176,14 @@ PetscErrorCode ContactSurface::set_up(const Mesh &mesh, const std::vector<PetscI
   append_obstacles(obstacles, &vertices, &facets);
   surface_ = contact::make_surface(mesh.dimension(), std::move(vertices), std::move(facets));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+const BodyNumbers *ContactSurface::file_of(int body, std::int64_t number) const {
+  if (body >= first_obstacle_ || files_.empty() || number >= file_vertices_) return nullptr;
+  const auto after = std::upper_bound(
+      files_.begin(), files_.end(), number,
+      [](std::int64_t n, const BodyNumbers &file) { return n < file.first_vertex; });
+  return &*std::prev(after);
 }
 
 PetscErrorCode ContactSurface::gather(const double *local, std::vector<double> *all) const {

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "contact/surface.hpp"
@@ -13,6 +14,7 @@ namespace trefoil {
 
 /// An obstacle that is a surface: points without unknowns.
 struct ObstacleSurface {
+  std::string name;
   std::vector<contact::Vector3> points;    ///< where it is before it moves
   std::vector<std::array<int, 3>> facets;  ///< triangles; in the plane edges, with -1 as third
 };
@@ -36,6 +38,11 @@ class ContactSurface {
   [[nodiscard]] const std::vector<int> &own_vertices() const { return own_; }
   /// Of the mesh's connected parts and the obstacles, which are bodies after them.
   [[nodiscard]] int first_obstacle() const { return first_obstacle_; }
+  [[nodiscard]] const std::string &name_of_obstacle(int body) const {
+    return obstacle_names_[static_cast<std::size_t>(body - first_obstacle_)];
+  }
+  /// Whose file a vertex of this number is in, where bodies come from several; or null.
+  [[nodiscard]] const BodyNumbers *file_of(int body, std::int64_t number) const;
   /// The first vertex of each obstacle, and one more.
   [[nodiscard]] const std::vector<int> &obstacle_begin() const { return obstacle_begin_; }
 
@@ -71,6 +78,9 @@ class ContactSurface {
   MPI_Comm comm_ = MPI_COMM_NULL;
   int rank_ = 0, ranks_ = 1;
   int first_obstacle_ = 0;
+  std::vector<std::string> obstacle_names_;
+  std::vector<BodyNumbers> files_;  ///< of the bodies; see Mesh
+  PetscInt file_vertices_ = 0;
   std::vector<int> obstacle_begin_;
   std::vector<std::array<PetscInt, 3>> dofs_;
   std::vector<PetscInt> global_vertex_;

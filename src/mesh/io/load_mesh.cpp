@@ -1,6 +1,7 @@
 #include "mesh/io/load_mesh.hpp"
 
 #include <cmath>
+#include <sstream>
 
 #include "mesh/check_mesh.hpp"
 #include "mesh/generate.hpp"
@@ -16,15 +17,24 @@
 namespace trefoil {
 namespace {
 
-/// What was found in the mesh, and what was done about it; known on the first rank.
+using Check = std::function<void(const CellList &, const std::string &)>;
+
+/// What was found in a file's mesh, and what was done about it.
 struct Findings {
-  PetscInt repeated = 0, unused = 0, coincident = 0;
+  PetscInt repeated = 0, unused = 0;
   RepairReport repair;
+};
+
+/// A whole mesh, ready to be distributed; known on the first rank.
+struct WholeMesh {
+  CellList cells;
+  PetscInt coincident = 0;
+  std::string text;  ///< what was done to it, a line each
 };
 
 /// Refines, as the distributed mesh can where its cells are linear, and adds midpoints of edges.
 void make_quadratic(const MeshOptions &options, CellList &whole) {
-  const PetscInt refine = options.file.empty() ? 0 : options.refine;
+  const PetscInt refine = options.generate.empty() ? options.refine : 0;
   for (PetscInt level = 0; level < refine && !is_quadratic(*whole.shape); ++level) {
     if (8. * whole.shape->children * static_cast<double>(whole.cells.size()) >
         static_cast<double>(PETSC_MAX_INT))
@@ -35,25 +45,105 @@ void make_quadratic(const MeshOptions &options, CellList &whole) {
   promote_to_quadratic(whole);
 }
 
+/// What was done to a mesh, a line each, which begins with `start`.
+std::string text_of(const Findings &findings, const CellShape &shape, const std::string &start) {
+  std::string text;
+  const RepairReport &repair = findings.repair;
+  if (findings.repeated) {
+    text += start + "took " + counted(findings.repeated, shape) +
+            " once, in all groups, that the file has more than once\n";
+  }
+  if (repair.turned) {
+    text += start + "turned all " + counted(repair.turned, shape) +
+            " round, which the file has the other way round\n";
+  }
+  if (repair.dropped) {
+    text += start + "dropped " + counted(repair.dropped, shape) + " without positive volume";
+    if (repair.opened) {
+      text += ", which leaves holes: " + counted(repair.opened, *shape.facet) +
+              " inside of the body are surface now";
+    }
+    text += "\n";
+  }
+  if (findings.unused) {
+    text += start + "dropped " + std::to_string(findings.unused) + " vertices that no " +
+            shape.singular + " uses\n";
+  }
+  return text;
+}
+
+std::string name_of(const BodySource &source) {
+  return source.file.empty() ? "generated " + source.generate : source.file;
+}
+
+/// What one file has, or what is generated, as elements can be made of it. Throws InputError.
+CellList prepare_body(const MeshOptions &options, const BodySource &source, PetscInt refine,
+                      const Check &check, std::string *text) {
+  const std::string name = name_of(source);
+  if (!source.name.empty() && is_hdf5_file(source.file))
+    throw InputError(name +
+                     " is HDF5, which all ranks read in shares: it can be the only mesh of "
+                     "a scene (-mesh_file); a body comes from a Medit or Gmsh file");
+  CellList mesh = source.file.empty() ? generate_mesh(source.generate, source.resolution, refine)
+                                      : read_mesh(source.file);
+  Findings findings;
+  number_as_in_file(mesh);
+  place(mesh, source.placement);
+  if (options.order == 1) drop_midpoints(mesh);
+  findings.repeated = take_once(mesh, name);
+  check_node_order(mesh, name);
+  findings.repair =
+      repair_rest_shape(mesh, options.drops_bad_cells ? Repair::drop : Repair::none, name);
+  check(mesh, name);
+  findings.unused = drop_unused_vertices(mesh);
+  *text += text_of(findings, *mesh.shape,
+                   source.name.empty() ? "mesh: " : "mesh: " + source.name + ": ");
+  return mesh;
+}
+
 /// The whole mesh, on the first rank, ready to be distributed. Throws InputError.
-CellList prepare_mesh(const MeshOptions &options,
-                      const std::function<void(const CellList &)> &check, Findings *findings) {
-  CellList whole = options.file.empty()
-                       ? generate_mesh(options.generate, options.resolution, options.refine)
-                       : read_mesh(options.file);
-  number_as_in_file(whole);
-  if (options.order == 1) drop_midpoints(whole);
-  findings->repeated = take_once(whole, options.name());
-  check_node_order(whole, options.name());
-  findings->repair = repair_rest_shape(whole, options.drops_bad_cells ? Repair::drop : Repair::none,
-                                       options.name());
-  check(whole);
-  findings->unused = drop_unused_vertices(whole);
-  if (options.order == 2) make_quadratic(options, whole);
-  if (options.normalize) normalize(whole);
-  order_along_curve(whole);
-  findings->coincident = coincident_vertices(whole);
+WholeMesh prepare_mesh(const MeshOptions &options, const Check &check) {
+  WholeMesh whole;
+  if (options.bodies.empty()) {
+    const BodySource only{"", options.file, options.generate, options.resolution, {}};
+    whole.cells = prepare_body(options, only, options.refine, check, &whole.text);
+  } else {
+    std::vector<CellList> meshes;
+    for (const BodySource &body : options.bodies) {
+      meshes.push_back(prepare_body(options, body, 0, check, &whole.text));
+    }
+    whole.cells = join_bodies(meshes, options.bodies);
+  }
+  if (options.order == 2) make_quadratic(options, whole.cells);
+  if (options.normalize) normalize(whole.cells);
+  order_along_curve(whole.cells);
+  whole.coincident = coincident_vertices(whole.cells);
   return whole;
+}
+
+/// Tells all ranks the bodies that the first one knows.
+PetscErrorCode tell_bodies(MPI_Comm comm, const std::vector<BodyNumbers> &whole, Mesh *mesh) {
+  std::string names;
+  std::vector<PetscInt> first;
+  PetscFunctionBeginUser;
+  for (const BodyNumbers &body : whole) {
+    names += body.name + '\n';
+    first.push_back(body.first_vertex);
+  }
+  PetscMPIInt sizes[2] = {static_cast<PetscMPIInt>(names.size()),
+                          static_cast<PetscMPIInt>(first.size())};
+  PetscCallMPI(MPI_Bcast(sizes, 2, MPI_INT, 0, comm));
+  names.resize(static_cast<std::size_t>(sizes[0]));
+  first.resize(static_cast<std::size_t>(sizes[1]));
+  PetscCallMPI(MPI_Bcast(names.data(), sizes[0], MPI_CHAR, 0, comm));
+  PetscCallMPI(MPI_Bcast(first.data(), sizes[1], MPIU_INT, 0, comm));
+  std::istringstream lines(names);
+  for (const PetscInt number : first) {
+    BodyNumbers body{"", number};
+    std::getline(lines, body.name);
+    mesh->bodies.push_back(body);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /// Refuses what PetscInt cannot number: each refinement cuts a tetrahedron into eight.
@@ -69,33 +159,6 @@ PetscErrorCode check_refined_size(MPI_Comm comm, const CellList &whole, PetscInt
              "-mesh_refine %" PetscInt_FMT " would make more than %.1g tetrahedra; refine less",
              refine, static_cast<double>(PETSC_MAX_INT) / 4);
   PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/// What was done to the mesh, a line each.
-std::string text_of(const Findings &findings, const CellShape &shape) {
-  std::string text;
-  const RepairReport &repair = findings.repair;
-  if (findings.repeated) {
-    text += "mesh: took " + counted(findings.repeated, shape) +
-            " once, in all groups, that the file has more than once\n";
-  }
-  if (repair.turned) {
-    text += "mesh: turned all " + counted(repair.turned, shape) +
-            " round, which the file has the other way round\n";
-  }
-  if (repair.dropped) {
-    text += "mesh: dropped " + counted(repair.dropped, shape) + " without positive volume";
-    if (repair.opened) {
-      text += ", which leaves holes: " + counted(repair.opened, *shape.facet) +
-              " inside of the body are surface now";
-    }
-    text += "\n";
-  }
-  if (findings.unused) {
-    text += "mesh: dropped " + std::to_string(findings.unused) + " vertices that no " +
-            shape.singular + " uses\n";
-  }
-  return text;
 }
 
 /// "mesh: two.msh, 16 vertices, 12 tetrahedra, 2 unconnected parts (4 vertices coincide)"
@@ -140,11 +203,15 @@ PetscErrorCode check_options_of_shares(MPI_Comm comm, const MeshOptions &options
 
 }  // namespace
 
-PetscErrorCode load_mesh(MPI_Comm comm, const MeshOptions &options,
-                         const std::function<void(const CellList &)> &check, Mesh *mesh) {
+std::string MeshOptions::name() const {
+  if (bodies.empty()) return name_of({"", file, generate, 0, {}});
+  return std::to_string(bodies.size()) + " bodies (" + names_of(bodies) + ")";
+}
+
+PetscErrorCode load_mesh(MPI_Comm comm, const MeshOptions &options, const Check &check,
+                         Mesh *mesh) {
   PetscMPIInt rank = 0;
-  Findings findings;
-  CellList whole;
+  WholeMesh whole;
   std::string complaint;
   PetscFunctionBeginUser;
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
@@ -156,15 +223,16 @@ PetscErrorCode load_mesh(MPI_Comm comm, const MeshOptions &options,
     PetscCall(print_mesh(comm, options.name(), 0, *mesh));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  if (rank == 0) complaint = complaint_of([&] { whole = prepare_mesh(options, check, &findings); });
+  if (rank == 0) complaint = complaint_of([&] { whole = prepare_mesh(options, check); });
   PetscCall(agree_on_complaint(comm, complaint));
-  PetscCall(PetscPrintf(comm, "%s", text_of(findings, *whole.shape).c_str()));
+  PetscCall(PetscPrintf(comm, "%s", whole.text.c_str()));
   // A generated mesh was refined where it was generated, true to its curved boundary.
   // So was one that was made quadratic.
-  const PetscInt refine = options.file.empty() || options.order == 2 ? 0 : options.refine;
-  PetscCall(check_refined_size(comm, whole, refine));
-  PetscCall(distribute_mesh(comm, whole, options.partitioner, refine, mesh));
-  PetscCall(print_mesh(comm, options.name(), findings.coincident, *mesh));
+  const PetscInt refine = options.generate.empty() && options.order != 2 ? options.refine : 0;
+  PetscCall(check_refined_size(comm, whole.cells, refine));
+  PetscCall(distribute_mesh(comm, whole.cells, options.partitioner, refine, mesh));
+  PetscCall(tell_bodies(comm, whole.cells.bodies, mesh));
+  PetscCall(print_mesh(comm, options.name(), whole.coincident, *mesh));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
