@@ -307,6 +307,10 @@ PetscErrorCode TrefoilSNESGetWeight(SNES snes, PetscReal *weight);
 /* The trust-region ratio of the last step taken, NaN where there is none. Not collective. */
 PetscErrorCode TrefoilSNESGetTrustRegionRatio(SNES snes, PetscReal *rho);
 
+/* The last Newton decrement over the one that ends the solve, NaN where there is none. Not
+   collective. */
+PetscErrorCode TrefoilSNESGetDecrementRatio(SNES snes, PetscReal *ratio);
+
 /* The last solve's record, a JSON object, as -snes_trefoil_record writes it; complete on every
    rank. Valid until the next solve or the SNES's destruction. Not collective. */
 PetscErrorCode TrefoilSNESGetRecord(SNES snes, const char **json);

@@ -83,6 +83,7 @@ PetscErrorCode solve(MPI_Comm comm, const SceneOptions &options, double begin, i
   PetscCall(solve_scene(scene, observe, checkpoint, &outcome));
   if (!outcome.converged) *status = not_converged;
 
+  PetscCall(scene.progress.pass("solved, results are written"));
   PetscCall(log.close(outcome.time, &end));
   PetscCall(fill_report(scene, outcome, end, &report));
   report.times = {MPI_Wtime() - begin, scene.read_seconds, scene.setup_seconds, log.seconds(),

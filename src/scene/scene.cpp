@@ -156,8 +156,10 @@ PetscErrorCode build_scene(MPI_Comm comm, const SceneOptions &options, Scene *sc
   PetscFunctionBeginUser;
   scene->options = options;
   PetscCall(PetscTime(&begin));
+  PetscCall(scene->progress.begin(comm, options.progress_seconds));
   PetscCall(load_mesh(comm, mesh_options(options), check_bent_cells, &scene->mesh));
   PetscCall(PetscTime(&loaded));
+  PetscCall(scene->progress.pass("the mesh is distributed"));
   PetscCall(scene->constraints.choose(scene->mesh, options));
   if (options.time.is_on) PetscCall(scene->constraints.warn_of_jumps());
   PetscCall(scene->constraints.hold(first_time, &held));
@@ -200,6 +202,7 @@ PetscErrorCode build_scene(MPI_Comm comm, const SceneOptions &options, Scene *sc
   if (scene->contact) PetscCall(scene->discretization.create_matrix(&scene->spreading));
   if (options.assembly == "split") PetscCall(scene->functional->prepare(scene->hessian));
   PetscCall(PetscTime(&end));
+  PetscCall(scene->progress.pass("the scene is built"));
   scene->read_seconds = loaded - begin;
   scene->setup_seconds = end - loaded;
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "assembly/energy_functional.hpp"
+#include "output/progress.hpp"
 #include "output/run_report.hpp"
 #include "scene/cell_states.hpp"
 #include "scene/constraints.hpp"
@@ -30,6 +31,7 @@ struct Scene {
   std::vector<LoadReport> load_reports;  ///< at t = 1, in time at 0, on the body at rest
   std::vector<RegionReport> regions;
   std::vector<std::string> warnings;
+  Progress progress;
   Mat hessian = nullptr;
   Mat spreading = nullptr;     ///< of the cells' pattern, where H has another
   Vec displacement = nullptr;  ///< the unknowns; the start, later the solution

@@ -221,6 +221,8 @@ std::vector<OptionRow> output_rows(SceneOptions &options) {
        names_of_fields(), essential},
       {"output_every", &options.output_every, "Each so many states of a series, and the last"},
       {"output_csv", &options.csv_file, "Table of the results, a line for each step"},
+      {"progress_seconds", &options.progress_seconds,
+       "Between lines about work that takes long, on stderr; 0: none", "seconds"},
   };
 }
 

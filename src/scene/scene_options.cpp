@@ -239,6 +239,9 @@ PetscErrorCode check_values(MPI_Comm comm, const SceneOptions &options) {
   PetscCheck(options.output_every >= 1, comm, PETSC_ERR_USER_INPUT,
              "-output_every is %" PetscInt_FMT "; give a whole number from 1 on",
              options.output_every);
+  PetscCheck(options.progress_seconds >= 0, comm, PETSC_ERR_USER_INPUT,
+             "-progress_seconds is %g; give seconds between two lines, or 0 for none",
+             options.progress_seconds);
   PetscCheck(options.output_every == 1 || has_series(options), comm, PETSC_ERR_USER_INPUT,
              "-output_every is for steps: with one solve there is one state");
   PetscCall(check_start(comm, options));

@@ -107,6 +107,7 @@ struct SceneOptions {
   std::vector<std::string> output_fields;  ///< empty: see default_fields()
   PetscInt output_every = 1;               ///< of a series: each so many states, and the last
   std::string csv_file;                    ///< results as a table
+  double progress_seconds = 5;             ///< between lines about long work; 0: none
   CheckpointOptions checkpoint;
   std::vector<ProbeOptions> probes;
   std::string record_file;  ///< -snes_trefoil_record; the program completes and writes it

@@ -14,9 +14,11 @@ namespace {
 using Words = std::vector<std::string>;
 
 /// What options of PETSc's classes begin with: read when the solver is set up.
-const Words solver_families{"snes_",  "ksp_",   "pc_",     "mat_",       "vec_",        "dm_",
-                            "is_",    "sf_",    "sub_",    "mg_",        "fieldsplit_", "npc_",
-                            "guess_", "inner_", "esteig_", "redundant_", "telescope_"};
+const Words solver_families{
+    "snes_",       "ksp_",   "pc_",      "mat_",        "vec_",
+    "dm_",         "is_",    "sf_",      "sub_",        "mg_",
+    "fieldsplit_", "npc_",   "matptap_", "matmatmult_", "mattransposematmult_",
+    "guess_",      "inner_", "esteig_",  "redundant_",  "telescope_"};
 /// Nested prefixes of the user's or of a preconditioner's: -prometheus_ksp_type.
 const Words nested_families{"_snes_", "_ksp_", "_pc_", "_mat_"};
 /// What PETSc reads when it begins, when it ends, or when it draws.

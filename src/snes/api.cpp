@@ -255,6 +255,19 @@ PetscErrorCode TrefoilSNESGetWeight(SNES snes, PetscReal *weight) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode TrefoilSNESGetDecrementRatio(SNES snes, PetscReal *ratio) {
+  Solver *solver = nullptr;
+  PetscFunctionBegin;
+  PetscCall(trefoil::get_solver(snes, &solver));
+  const trefoil::StopOptions &stop = solver->options.stop;
+  const auto &history = solver->record.history;
+  const double end = stop.decrement_tolerance > 0
+                         ? stop.decrement_tolerance
+                         : stop.energy_tolerance * solver->record.energy_scale;
+  *ratio = history.empty() ? trefoil::IterationRecord::none : history.back().decrement / end;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode TrefoilSNESGetTrustRegionRatio(SNES snes, PetscReal *rho) {
   Solver *solver = nullptr;
   PetscFunctionBegin;

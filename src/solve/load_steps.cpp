@@ -57,9 +57,9 @@ PetscErrorCode LoadPath::follow(GuessCost *cost) {
   PetscFunctionBeginUser;
   if (!spread_) PetscCall(VecDuplicate(scene_.displacement, &spread_));
   PetscCall(VecSet(spread_, 0));
-  PetscCall(spread_displacements(*scene_.functional, scene_.discretization,
-                                 scene_.matrix_of_cells(), 0,
-                                 scene_.linear_solver.kind != SolverKind::direct, spread_, &spent));
+  PetscCall(spread_displacements(
+      *scene_.functional, scene_.discretization, scene_.matrix_of_cells(), 0,
+      scene_.linear_solver.kind != SolverKind::direct, scene_.progress, spread_, &spent));
   if (stand_) {
     PetscCall(VecAXPY(scene_.displacement, 1, spread_));
     PetscCall(VecAXPY(scene_.displacement, -1, spread_of_stand_));

@@ -15,14 +15,6 @@
 namespace trefoil {
 namespace {
 
-PetscErrorCode is_set(const char *option, bool *set) {
-  PetscBool found = PETSC_FALSE;
-  PetscFunctionBeginUser;
-  PetscCall(PetscOptionsHasName(nullptr, nullptr, option, &found));
-  *set = found == PETSC_TRUE;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /// Steps in time: each starts where the last one ended, near its own end, and a direction that is
 /// small enough is followed all the same.
 PetscErrorCode set_time_defaults(SNES snes) {
@@ -134,13 +126,14 @@ PetscErrorCode SceneSolver::set_up(const SolveOutcome &outcome, double head_star
   PetscCall(set_linear_solver(scene_, snes_));
   if (outcome.linear_solver.empty()) PetscCall(say_linear_solver(scene_, snes_));
   PetscCall(SNESMonitorSet(snes_, refuse_unused_once, nullptr, nullptr));
+  PetscCall(progress_.watch(snes_));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode SceneSolver::set_direction_tolerance(double tolerance) {
-  bool given = false;
+  PetscBool given = PETSC_FALSE;
   PetscFunctionBeginUser;
-  PetscCall(is_set("-snes_trefoil_direction_tolerance", &given));
+  PetscCall(PetscOptionsHasName(nullptr, nullptr, "-snes_trefoil_direction_tolerance", &given));
   if (!given) PetscCall(TrefoilSNESSetDirectionTolerance(snes_, tolerance));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -274,7 +267,7 @@ PetscErrorCode make_start(Scene &scene, SolveOutcome *outcome) {
   } else if (initial != "rest") {
     PetscCall(spread_displacements(*scene.functional, scene.discretization, scene.matrix_of_cells(),
                                    initial == "arap" ? scene.options.initial_steps : 0,
-                                   scene.linear_solver.kind != SolverKind::direct,
+                                   scene.linear_solver.kind != SolverKind::direct, scene.progress,
                                    scene.displacement, &outcome->guess));
   }
   PetscCall(scene.functional->count_inverted(scene.displacement, &outcome->inverted_at_start));

@@ -6,6 +6,7 @@
 
 #include "solve/checkpoint.hpp"
 #include "solve/solve.hpp"
+#include "solve/solve_progress.hpp"
 
 namespace trefoil {
 
@@ -28,7 +29,7 @@ PetscErrorCode load_start(const Checkpoint &checkpoint, SolveOutcome *outcome);
 /// and again: matrices, what a linear solver knows of their pattern and the rule's weight are kept.
 class SceneSolver {
  public:
-  explicit SceneSolver(Scene &scene) : scene_(scene) {}
+  explicit SceneSolver(Scene &scene) : scene_(scene), progress_(scene.progress) {}
   SceneSolver(const SceneSolver &) = delete;
   SceneSolver &operator=(const SceneSolver &) = delete;
   ~SceneSolver();
@@ -65,6 +66,7 @@ class SceneSolver {
   static PetscErrorCode pass_iteration(SNES snes, PetscInt iteration, PetscReal norm, void *solver);
 
   Scene &scene_;
+  SolveProgress progress_;
   SNES snes_ = nullptr;
   Checkpoint *checkpoint_ = nullptr;
   bool saves_iterate_ = false;

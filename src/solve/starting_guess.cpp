@@ -149,8 +149,8 @@ PetscErrorCode set_guess_solver(KSP ksp, bool iterative) {
 
 PetscErrorCode spread_displacements(const EnergyFunctional &functional,
                                     const Discretization &discretization, Mat H,
-                                    PetscInt rotation_steps, bool iterative, Vec x,
-                                    GuessCost *cost) {
+                                    PetscInt rotation_steps, bool iterative, Progress &progress,
+                                    Vec x, GuessCost *cost) {
   PetscLogDouble begin = 0, end = 0;
   PetscReal size = 0;
   Vec g = nullptr;
@@ -168,6 +168,8 @@ PetscErrorCode spread_displacements(const EnergyFunctional &functional,
     PetscCall(solver.correct(g, x));
     const auto rigid = functional.spreading(Spreading::rigid);
     for (PetscInt step = 0; step < rotation_steps; ++step) {
+      PetscCall(progress.pass("start: local/global step " + std::to_string(step + 1) + " of " +
+                              std::to_string(rotation_steps)));
       PetscCall(rigid->gradient(x, g));
       PetscCall(solver.correct(g, x));
     }

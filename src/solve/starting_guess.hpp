@@ -3,6 +3,7 @@
 #include <petscksp.h>
 
 #include "assembly/energy_functional.hpp"
+#include "output/progress.hpp"
 
 namespace trefoil {
 
@@ -26,8 +27,8 @@ struct GuessCost {
 /// Collective. Options of the solver have the prefix guess_.
 PetscErrorCode spread_displacements(const EnergyFunctional &functional,
                                     const Discretization &discretization, Mat H,
-                                    PetscInt rotation_steps, bool iterative, Vec x,
-                                    GuessCost *cost);
+                                    PetscInt rotation_steps, bool iterative, Progress &progress,
+                                    Vec x, GuessCost *cost);
 
 /// A solver for symmetric positive definite matrices, whose options begin with -guess_: direct, or
 /// conjugate gradients with multigrid.

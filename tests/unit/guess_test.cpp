@@ -31,12 +31,13 @@ struct Guess {
 
   PetscErrorCode make(MPI_Comm comm, const Holding &holding, const Field &moved, PetscInt steps,
                       const char *mesh = "box") {
+    Progress silent;
     PetscFunctionBeginUser;
     PetscCall(body.set_up(comm, generate_mesh(mesh, 4, 0), holding, moved));
     PetscCall(body.discretization.create_vector(&x));
     PetscCall(body.discretization.create_matrix(&H));
-    PetscCall(
-        spread_displacements(*body.functional, body.discretization, H, steps, false, x, &cost));
+    PetscCall(spread_displacements(*body.functional, body.discretization, H, steps, false, silent,
+                                   x, &cost));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   /// Largest distance from a field, over the unknowns.
