@@ -28,6 +28,7 @@ try:
 
     import trefoil
     from drawing import Body, FieldOfBody, add_view_options, bar_of, fail, view_of
+    from obstacles import Obstacles, with_room
 except ImportError as missing:
     sys.exit(f"animate.py: {missing.name} is missing: "
              "apt install python3-numpy python3-h5py python3-matplotlib, then use /usr/bin/python3")
@@ -38,8 +39,8 @@ DPI = 100
 class Film:
     """Frames of a series: positions and values of the field, at times between those of the steps."""
 
-    def __init__(self, steps, arguments):
-        self.steps, self._arguments = steps, arguments
+    def __init__(self, steps, obstacles, arguments):
+        self.steps, self.obstacles, self._arguments = steps, obstacles, arguments
         self.body = Body(steps[0])
         self.field = FieldOfBody(self.body, steps, arguments)
         self.count = max(2, round(arguments.seconds * arguments.fps))
@@ -48,12 +49,14 @@ class Film:
             self._times = list(range(len(steps)))
 
     def frame(self, number):
-        """Points, values and the words for a frame."""
+        """Points, values, points of obstacles and the words for a frame."""
         share = number / (self.count - 1)
         if len(self.steps) == 1:
             amount = (1 - math.cos(2 * math.pi * share)) / 2
             step = self.steps[0]
-            return self.body.moved(step, amount * self._arguments.scale), self.field.values(step), ""
+            scale = amount * self._arguments.scale
+            return (self.body.moved(step, scale), self.field.values(step),
+                    self.obstacles.at(0, scale), "")
         t = self._times[0] + share * (self._times[-1] - self._times[0])
         after = min(int(np.searchsorted(self._times, t * (1 - 1e-12))), len(self.steps) - 1)
         before = max(after - 1, 0)
@@ -62,24 +65,29 @@ class Film:
         if self._arguments.exact:
             part = round(part)
             t = self._times[after if part else before]
-        points, values = (self._between(take, before, after, part) for take in (
-            lambda step: self.body.moved(step, self._arguments.scale), self.field.values))
-        return points, values, f"t = {t:.4g}"
+        scale = self._arguments.scale
+        points, values, places = (self._between(take, before, after, part) for take in (
+            lambda number: self.body.moved(self.steps[number], scale),
+            lambda number: self.field.values(self.steps[number]),
+            lambda number: self.obstacles.at(number, scale)))
+        return points, values, places, f"t = {t:.4g}"
 
     def _between(self, take, before, after, part):
         if part == 0:
-            return take(self.steps[before])
+            return take(before)
         if part == 1:
-            return take(self.steps[after])
-        return (1 - part) * take(self.steps[before]) + part * take(self.steps[after])
+            return take(after)
+        return (1 - part) * take(before) + part * take(after)
 
     def extent(self, views):
         """Low and high corner of what any step covers in the picture plane."""
         shapes = [self.body.moved(step, self._arguments.scale) for step in self.steps]
         shapes += [self.body.rest] * (len(self.steps) == 1)
         seen = [(shape[self.body.used] @ view.T)[:, :2] for shape in shapes for view in views]
-        return (np.min([each.min(axis=0) for each in seen], axis=0),
-                np.max([each.max(axis=0) for each in seen], axis=0))
+        places = self.obstacles.at(0)
+        return with_room(np.min([each.min(axis=0) for each in seen], axis=0),
+                         np.max([each.max(axis=0) for each in seen], axis=0),
+                         np.concatenate([places @ view.T for view in views]))
 
 
 def writer_for(path, fps):
@@ -105,8 +113,8 @@ def views_of(film, arguments):
     return views
 
 
-def animate(steps, arguments):
-    film = Film(steps, arguments)
+def animate(steps, obstacles, arguments):
+    film = Film(steps, obstacles, arguments)
     width, height = (2 * (int(word) // 2) for word in arguments.size.split("x"))  # as films want it: even
     writer = writer_for(arguments.output, arguments.fps)
     views = views_of(film, arguments)
@@ -129,9 +137,10 @@ def animate(steps, arguments):
     try:
         with writer.saving(figure, part, DPI):
             for number, view in enumerate(views):
-                points, values, said = film.frame(number)
+                points, values, places, said = film.frame(number)
                 image.set_data(film.body.draw(points, view, middle - half, middle + half,
-                                              (panel_width, height), film.field.colours_of(values), edges))
+                                              (panel_width, height), film.field.colours_of(values), edges,
+                                              (film.obstacles, places)))
                 words.set_text(said)
                 writer.grab_frame(facecolor="white")
         os.replace(part, arguments.output)
@@ -155,7 +164,7 @@ def main():
     ending = ".mp4" if shutil.which("ffmpeg") else ".gif"
     arguments.output = arguments.output or os.path.splitext(arguments.xdmf)[0] + ending
     try:
-        steps = trefoil.read_steps(arguments.xdmf)
+        steps, obstacles = trefoil.read_steps(arguments.xdmf), Obstacles(arguments.xdmf)
         if arguments.field not in steps[-1].fields:
             fail(f"{arguments.xdmf} has no field '{arguments.field}', but "
                  + ", ".join(steps[-1].fields))
@@ -163,7 +172,7 @@ def main():
             xml.etree.ElementTree.ParseError) as error:
         fail(f"cannot read {arguments.xdmf}: {error}")
     try:
-        animate(steps, arguments)
+        animate(steps, obstacles, arguments)
     except (OSError, ValueError) as error:
         fail(f"cannot draw {arguments.output}: {error}")
 

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Draws a result of Trefoil: the body at rest, and deformed.
+"""Draws a result of Trefoil: the body at rest, and deformed; obstacles in grey.
 
     python3 examples/picture.py out/knot.xdmf -o knot.png
     python3 examples/picture.py out/knot.xdmf -o knot.png --field energy_density --azimuth 30
@@ -26,6 +26,7 @@ try:
 
     import trefoil
     from drawing import Body, FieldOfBody, add_view_options, bar_of, fail, view_of
+    from obstacles import Obstacles, with_room
 except ImportError as missing:
     sys.exit(f"picture.py: {missing.name} is missing: "
              "apt install python3-numpy python3-h5py python3-matplotlib, then use /usr/bin/python3")
@@ -34,7 +35,7 @@ CLAY = np.array([0.80, 0.79, 0.77])  # the body at rest
 MARGIN, BAR, ROOM_ABOVE, ROOM_BELOW = 0.35, 1.3, 0.55, 0.1  # inches
 
 
-def picture(step, arguments):
+def picture(step, obstacles, arguments):
     body = Body(step)
     field = FieldOfBody(body, [step], arguments)
     view = view_of(arguments, body.is_flat)
@@ -43,8 +44,9 @@ def picture(step, arguments):
 
     # One scale for both; each panel is as wide as its body, and both are as tall as the taller.
     seen = [points[body.used] @ view.T for points in shapes]
-    low, high = (np.array([getattr(each[:, :2], side)(axis=0) for each in seen])
-                 for side in ("min", "max"))
+    around = [obstacles.at(number, arguments.scale * (number != 0)) for number in (0, -1)]
+    low, high = np.swapaxes([with_room(each[:, :2].min(axis=0), each[:, :2].max(axis=0),
+                                       places @ view.T) for each, places in zip(seen, around)], 0, 1)
     size = high - low
     tall = size[:, 1].max() * 1.04
     wide = np.maximum(size[:, 0] * 1.08, 0.35 * tall)
@@ -59,7 +61,8 @@ def picture(step, arguments):
         half = np.array([wide[k], tall]) / 2
         pixels = (int(round(width * arguments.dpi)), int(round(height * arguments.dpi)))
         colours = field.colours(step) if k else lambda owner, weights: np.tile(CLAY, (len(owner), 1))
-        image = body.draw(points, view, middle - half, middle + half, pixels, colours, edges)
+        image = body.draw(points, view, middle - half, middle + half, pixels, colours, edges,
+                          (obstacles, around[k]))
         panel = figure.add_axes([left / total[0], ROOM_BELOW / total[1],
                                  width / total[0], height / total[1]])
         panel.imshow(image, aspect="auto", interpolation="none")
@@ -88,6 +91,7 @@ def main():
     arguments.output = arguments.output or os.path.splitext(arguments.xdmf)[0] + ".png"
     try:
         step = trefoil.read_steps(arguments.xdmf)[-1]
+        obstacles = Obstacles(arguments.xdmf)
         if arguments.field not in step.fields:
             fail(f"{arguments.xdmf} has no field '{arguments.field}', but "
                  + ", ".join(step.fields))
@@ -95,7 +99,7 @@ def main():
             xml.etree.ElementTree.ParseError) as error:
         fail(f"cannot read {arguments.xdmf}: {error}")
     try:
-        picture(step, arguments)
+        picture(step, obstacles, arguments)
     except (OSError, ValueError) as error:
         fail(f"cannot draw {arguments.output}: {error}")
 

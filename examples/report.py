@@ -28,6 +28,7 @@ try:
 
     import trefoil
     from fields import Units
+    from obstacles import Obstacles
     from report_page import curves, results
     from report_page.body import Body
 except ImportError as missing:
@@ -115,7 +116,7 @@ def read_record(path):
 
 def read_body(path, units, most_bytes, region_names):
     try:
-        return Body(trefoil.read_steps(path), units, most_bytes, region_names)
+        return Body(trefoil.read_steps(path), units, most_bytes, region_names, Obstacles(path))
     except (OSError, KeyError, ValueError, AttributeError,
             xml.etree.ElementTree.ParseError) as error:
         sys.exit(f"report.py: cannot read {path}: {error}")

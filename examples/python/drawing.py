@@ -10,6 +10,7 @@ import numpy as np
 import fields
 import render
 import surface
+from obstacles import GREY
 
 
 def fail(sentence):
@@ -60,11 +61,32 @@ class Body:
             return self.rest
         return self.rest + scale * step.fields["displacement"]
 
-    def draw(self, points, view, low, high, pixels, colours, edges):
-        """A picture of the rectangle from low to high, see render.draw."""
+    def draw(self, points, view, low, high, pixels, colours, edges, others=None):
+        """A picture of the rectangle from low to high, see render.draw. `others`: obstacles, and
+        their points."""
         window = render.Window(low, high, *pixels, margin=0)
-        return render.draw(points, self.triangles, self._smooth, view, window, colours,
-                           self.is_edge if edges else None)
+        triangles, smooth = self.triangles, self._smooth
+        is_edge = self.is_edge if edges else None
+        if others and others[0]:
+            obstacles, places = others
+            front = obstacles.facing(places, view)
+            triangles = np.concatenate([triangles, len(points) + obstacles.triangles[front]])
+            smooth = np.concatenate([smooth, smooth.max() + 1 + obstacles.smooth[front]])
+            points = np.concatenate([points, places])
+            colours = self._beside_grey(colours)
+            if edges:
+                is_edge = np.concatenate([is_edge, np.zeros((front.sum(), 3), dtype=bool)])
+        return render.draw(points, triangles, smooth, view, window, colours, is_edge)
+
+    def _beside_grey(self, colours):
+        """The colours, of triangles that are not the body's grey."""
+        def both(owner, weights):
+            mine = owner < len(self.triangles)
+            shades = np.tile(GREY, (len(owner), 1))
+            if mine.any():
+                shades[mine] = colours(owner[mine], weights[mine])
+            return shades
+        return both
 
 
 class FieldOfBody:

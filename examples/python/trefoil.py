@@ -132,6 +132,15 @@ def read_steps(path, keep=None):
     return steps
 
 
+def read_obstacles(path):
+    """The obstacles of a scene, by name, each as the steps of a file of its own beside that of the
+    bodies: points at rest, triangles or segments as cells, and displacements."""
+    domain = _File(path).root.find("Domain")
+    names = "" if domain is None else domain.get("Obstacles", "")
+    stem, ending = os.path.splitext(path)
+    return {name: read_steps(f"{stem}.{name}{ending}") for name in names.split()}
+
+
 class _Scratch:
     """A folder that goes when nothing needs it any more."""
 

@@ -34,6 +34,14 @@ const ghostShader = `
     gl_FragColor = vec4(0.5, 0.52, 0.54, 0.10 + 0.42 * pow(1.0 - facing, 2.5));
   }`;
 
+// What bodies cannot enter; its back is not drawn, so that it hides no body in front of a wall.
+const obstacleShader = `
+  uniform float flat2d; varying vec3 shownNormal;
+  void main() {
+    float key = flat2d > 0.0 ? 0.8 : max(dot(normalize(shownNormal), normalize(vec3(-0.45, 0.65, 0.75))), 0.0);
+    gl_FragColor = vec4(vec3(0.62, 0.66, 0.70) * (0.72 + 0.32 * key), 1.0);
+  }`;
+
 /** The body in the scene of three.js; `show` colours it, `move` deforms it. */
 class BodyPicture {
   constructor(arrays) {
@@ -64,6 +72,26 @@ class BodyPicture {
     this.inside.renderOrder = 1;
     this.group = new THREE.Group();
     this.group.add(this.mesh, this.edges, this.ghost, this.outline, this.inside);
+    if (manifest.obstacles) this.addObstacles();
+  }
+
+  addObstacles() {
+    const geometry = new THREE.BufferGeometry();
+    geometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array(this.arrays.obstacles), 3));
+    geometry.setIndex(new THREE.BufferAttribute(Uint32Array.from(this.arrays.obstacle_triangles), 1));
+    this.obstacles = new THREE.Mesh(geometry, new THREE.ShaderMaterial({
+      vertexShader, fragmentShader: obstacleShader, uniforms: this.uniforms,
+      polygonOffset: true, polygonOffsetFactor: 2, polygonOffsetUnits: 2}));
+    this.obstacles.frustumCulled = false;
+    this.group.add(this.obstacles);
+  }
+
+  moveObstacles(step, factor) {
+    const {arrays} = this, {geometry} = this.obstacles, {position} = geometry.attributes;
+    const by = arrays["obstacles" + step];
+    for (let k = 0; k < by.length; ++k) position.array[k] = arrays.obstacles[k] + factor * by[k];
+    position.needsUpdate = true;
+    geometry.computeVertexNormals();
   }
 
   /** A geometry in which no two triangles share a corner. */
@@ -88,6 +116,7 @@ class BodyPicture {
 
   /** Positions are rest + factor * displacement of a step; normals follow. */
   move(step, factor) {
+    if (this.obstacles) this.moveObstacles(step, factor);
     const u = this.arrays["u" + step], {rest, moved} = this;
     for (let k = 0; k < rest.length; ++k) moved[k] = rest[k] + factor * u[k];
     this.place(this.geometry, moved);

@@ -22,8 +22,9 @@ class Plan:
 class Body:
     """A file's steps, made ready for the viewer. `notes`: sentences on what was left out."""
 
-    def __init__(self, steps, units, most_bytes, region_names=()):
+    def __init__(self, steps, units, most_bytes, region_names=(), obstacles=None):
         self._all, self._units, self._region_names = steps, units, region_names
+        self._obstacles = obstacles
         last = steps[-1]
         self._points, self._cells = last.points, last.cells
         self._regions = (last.cell_fields["region"].round().astype(int)
@@ -98,6 +99,8 @@ class Body:
             wrong = np.isin(cells, [] if self._inverted[step] is None else self._inverted[step])
             pack.add_numbers(f"marked{number}", np.flatnonzero(wrong))
             pack.add_numbers(f"inside{number}", place[inside[step]])
+        if self._obstacles:
+            self._pack_obstacles(pack, plan, center)
         described = self._pack_fields(pack, plan, vertices, shown)
         self.text = pack.text()
         self.manifest = {
@@ -105,9 +108,16 @@ class Body:
             "regions": sorted(set(self._regions.tolist())) if self._several else [],
             "regionNames": list(self._region_names),
             "quadratic": self._cells.shape[1] in (6, 10),
-            "lengthUnit": self._units.of("length"),
+            "lengthUnit": self._units.of("length"), "obstacles": bool(self._obstacles),
             "steps": [{"t": self._all[step].t, "inverted": self.inverted(step)}
                       for step in plan.steps]}
+
+    def _pack_obstacles(self, pack, plan, center):
+        rest = self._obstacles.at(0, scale=0)
+        pack.add_reals("obstacles", rest - center)
+        pack.add_numbers("obstacle_triangles", self._obstacles.triangles)
+        for number, step in enumerate(plan.steps):
+            pack.add_reals(f"obstacles{number}", self._obstacles.at(step) - rest)
 
     def _pack_fields(self, pack, plan, vertices, shown):
         described = []

@@ -123,6 +123,10 @@ function listen() {
   on("auto_scale", "click", () => setScale(visibleScale()));
   on("show_edges", "change", event => { picture.edges.visible = event.target.checked; eye.draw(); });
   on("show_rest", "change", event => { showRest(event.target.checked); eye.draw(); });
+  on("show_obstacles", "change", event => {
+    if (picture.obstacles) picture.obstacles.visible = event.target.checked;
+    eye.draw();
+  });
   on("show_inverted", "change", event => {
     picture.uniforms.marks.value = +event.target.checked;
     showShape();
@@ -159,6 +163,7 @@ function listChoices() {
     `<option value="${field.name}">${field.title}</option>`).join("");
   element("map").innerHTML = Object.keys(manifest.maps).map(each => `<option>${each}</option>`).join("");
   const several = manifest.steps.length > 1;
+  element("obstacles_label").hidden = !manifest.obstacles;
   element("timeline").hidden = element("over_label").hidden = !several;
   element("step").max = manifest.steps.length - 1;
   listRegions();

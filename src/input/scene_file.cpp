@@ -1,7 +1,6 @@
 #include "input/scene_file.hpp"
 
 #include <petscsys.h>
-#include <yaml.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -12,6 +11,7 @@
 #include <set>
 #include <utility>
 
+#include "input/yaml_document.hpp"
 #include "trefoil/input_error.hpp"
 
 namespace trefoil {
@@ -22,82 +22,6 @@ const std::map<std::string, std::string> singular{
     {"constraints", "constraint"}, {"regions", "region"}, {"loads", "load"},
     {"probes", "probe"},           {"bodies", "body"},    {"obstacles", "obstacle"}};
 
-/// One document of a YAML file, as libyaml makes it.
-class Document {
- public:
-  Document(const std::string &path, const std::string &text) : path_(path) {
-    yaml_parser_initialize(&parser_);
-    yaml_parser_set_input_string(&parser_, reinterpret_cast<const unsigned char *>(text.data()),
-                                 text.size());
-    if (!yaml_parser_load(&parser_, &document_)) {
-      const std::string problem = problem_of_parser(text);
-      yaml_parser_delete(&parser_);
-      throw InputError(problem);
-    }
-  }
-  Document(const Document &) = delete;
-  Document &operator=(const Document &) = delete;
-  ~Document() {
-    yaml_document_delete(&document_);
-    yaml_parser_delete(&parser_);
-  }
-
-  /// Whether another document follows, after a line of three dashes.
-  bool has_another() {
-    yaml_document_t next;
-    if (!yaml_parser_load(&parser_, &next)) return true;
-    const bool found = yaml_document_get_root_node(&next) != nullptr;
-    yaml_document_delete(&next);
-    return found;
-  }
-
-  const yaml_node_t *root() { return yaml_document_get_root_node(&document_); }
-  const yaml_node_t *node(int index) { return yaml_document_get_node(&document_, index); }
-
-  [[noreturn]] void refuse(const yaml_node_t *where, const std::string &why) const {
-    throw InputError(place(where->start_mark.line) + why);
-  }
-
- private:
-  [[nodiscard]] std::string place(std::size_t line) const {
-    return "scene file '" + path_ + "', line " + std::to_string(line + 1) + ": ";
-  }
-
-  [[nodiscard]] std::string problem_of_parser(const std::string &text) const {
-    const std::size_t line = parser_.problem_mark.line;
-    std::size_t begin = 0;
-    for (std::size_t i = 0; i < line && begin != text.npos; ++i) {
-      begin = text.find('\n', begin);
-      if (begin != text.npos) ++begin;
-    }
-    const bool has_tab = begin != text.npos &&
-                         text.substr(begin, text.find('\n', begin) - begin).find('\t') != text.npos;
-    return place(line) + (parser_.problem ? parser_.problem : "it is no YAML") +
-           (has_tab ? "; a tabulator stands there, and YAML is indented by blanks"
-                    : "; check indentation, brackets and quotes");
-  }
-
-  std::string path_;
-  yaml_parser_t parser_{};
-  yaml_document_t document_{};
-};
-
-std::string text_of(const yaml_node_t *scalar) {
-  std::string text{reinterpret_cast<const char *>(scalar->data.scalar.value),
-                   scalar->data.scalar.length};
-  std::replace_if(
-      text.begin(), text.end(), [](char c) { return c == '\n' || c == '\r' || c == '\t'; }, ' ');
-  return text;
-}
-
-bool is_null(const yaml_node_t *node) {
-  if (node->type != YAML_SCALAR_NODE || node->data.scalar.style != YAML_PLAIN_SCALAR_STYLE) {
-    return false;
-  }
-  const std::string text = text_of(node);
-  return text.empty() || text == "~" || text == "null";
-}
-
 bool is_option(const std::string &word) {
   PetscBool valid = PETSC_FALSE;
   static_cast<void>(PetscOptionsValidKey(word.c_str(), &valid));
@@ -107,7 +31,7 @@ bool is_option(const std::string &word) {
 /// The walk through one file.
 class Flattener {
  public:
-  explicit Flattener(Document &document) : document_(document) {}
+  explicit Flattener(YamlDocument &document) : document_(document) {}
 
   void add_mapping(const yaml_node_t *map, const std::string &prefix, bool is_merged = false);
 
@@ -124,7 +48,7 @@ class Flattener {
   void add(const yaml_node_t *where, const std::string &name, const std::string *value,
            bool is_merged);
 
-  Document &document_;
+  YamlDocument &document_;
   std::map<std::string, std::size_t> line_of_;  ///< of each option that is set
 };
 
@@ -248,7 +172,7 @@ std::string content_of(const std::string &path) {
 }
 
 /// Refuses `constraints: {wall: ...}` beside `constraint: {wall: ...}`.
-void refuse_twofold(Document &document, const yaml_node_t *root,
+void refuse_twofold(YamlDocument &document, const yaml_node_t *root,
                     const std::map<std::string, std::vector<std::string>> &names) {
   const auto find = [&](const yaml_node_t *map, const std::string &name) -> const yaml_node_t * {
     for (const auto *pair = map->data.mapping.pairs.start; pair < map->data.mapping.pairs.top;
@@ -274,7 +198,7 @@ void refuse_twofold(Document &document, const yaml_node_t *root,
 
 std::vector<std::string> SceneFileReader::read(const std::string &path) {
   const std::string text = content_of(path);
-  Document document(path, text);
+  YamlDocument document(path, text);
   const yaml_node_t *root = document.root();
   if (!root || is_null(root)) return {};
   if (root->type != YAML_MAPPING_NODE) {

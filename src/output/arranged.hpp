@@ -16,6 +16,7 @@ struct ArrangedMesh {
   PetscInt first_point = 0, first_cell = 0;    ///< where this rank's share begins
   std::vector<double> points;                  ///< share of the vertices x 3
   std::vector<PetscInt> cells;                 ///< share of the cells x nodes, places of vertices
+  std::vector<std::string> obstacles{};        ///< see OutputMesh
 };
 
 /// What a field is called and what it is, which all ranks know.

@@ -60,18 +60,6 @@ std::string give_second_name(const std::filesystem::path &file, const std::files
   return error ? cannot_write(name, error.message()) : "";
 }
 
-std::string text_of_pvd(const std::filesystem::path &path, const std::vector<XdmfState> &states) {
-  std::string text =
-      "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">\n<Collection>\n";
-  for (std::size_t k = 0; k < states.size(); ++k) {
-    char t[32];
-    std::snprintf(t, sizeof t, "%.17g", states[k].t);
-    text += std::string("<DataSet timestep=\"") + t + "\" file=\"" +
-            escaped_for_xml(numbered(path, k).filename().string()) + "\"/>\n";
-  }
-  return text + "</Collection>\n</VTKFile>\n";
-}
-
 }  // namespace
 
 struct Series::State {
@@ -103,6 +91,7 @@ PetscErrorCode Series::State::take_mesh(const OutputMesh &given) {
   local_points = given.point_numbers.size();
   local_cells = given.cell_numbers.size();
   mesh.shape = given.shape;
+  mesh.obstacles = given.obstacles;
   mesh.total_points = points.total();
   mesh.total_cells = cells.total();
   mesh.first_point = points.first();
@@ -146,13 +135,17 @@ PetscErrorCode Series::State::publish_text(const std::filesystem::path &file,
 
 /// The description of a series.
 PetscErrorCode Series::State::publish_list() {
-  const std::filesystem::path data = data_of(path);
   PetscFunctionBeginUser;
   if (format == OutputFormat::xdmf) {
-    PetscCall(publish_text(path, describe_in_xdmf(data.filename().string(), mesh, states)));
+    const std::string data = data_of(path).filename().string();
+    PetscCall(publish_text(path, describe_in_xdmf(data, mesh, states)));
   } else {
+    std::vector<VtuOfSeries> files;
+    for (const XdmfState &state : states) {
+      files.push_back({state.t, numbered(path, files.size()).filename().string()});
+    }
     PetscCall(publish_text(std::filesystem::path(path).replace_extension(".pvd"),
-                           text_of_pvd(path, states)));
+                           describe_in_pvd(files)));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

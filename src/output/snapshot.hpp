@@ -18,6 +18,8 @@ struct OutputMesh {
   std::vector<PetscInt> point_numbers;  ///< of each owned vertex
   std::vector<PetscInt> cells;          ///< local cells x nodes of the shape, numbers of vertices
   std::vector<PetscInt> cell_numbers;   ///< of each local cell
+  /// Names of obstacles, the same on all ranks, where each has an output of its own beside this.
+  std::vector<std::string> obstacles{};
 };
 
 /// One rank's part of a field on the vertices or on the cells.

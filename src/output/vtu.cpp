@@ -1,6 +1,7 @@
 #include "output/vtu.hpp"
 
 #include <cstdint>
+#include <cstdio>
 #include <cstring>
 
 #include "output/xdmf.hpp"
@@ -169,6 +170,18 @@ PetscInt64 size_in_vtu(const ArrangedMesh &mesh, const std::vector<ArrangedField
   for (const Section &section : sections)
     for (const Block &block : section.blocks) bytes += bytes_of_size + block.bytes;
   return bytes;
+}
+
+std::string describe_in_pvd(const std::vector<VtuOfSeries> &files) {
+  std::string text =
+      "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">\n<Collection>\n";
+  for (const auto &[t, file] : files) {
+    char number[32];
+    std::snprintf(number, sizeof number, "%.17g", t);
+    text += std::string("<DataSet timestep=\"") + number + "\" file=\"" + escaped_for_xml(file) +
+            "\"/>\n";
+  }
+  return text + "</Collection>\n</VTKFile>\n";
 }
 
 }  // namespace trefoil

@@ -15,4 +15,13 @@ PetscErrorCode write_vtu(MPI_Comm comm, const std::string &file, const ArrangedM
 /// Room that the file needs, in bytes.
 PetscInt64 size_in_vtu(const ArrangedMesh &mesh, const std::vector<ArrangedField> &fields);
 
+/// One of a series of such files.
+struct VtuOfSeries {
+  double t = 0;
+  std::string file;  ///< seen from the list
+};
+
+/// The whole text of ParaView's list of a series, a .pvd file.
+std::string describe_in_pvd(const std::vector<VtuOfSeries> &files);
+
 }  // namespace trefoil

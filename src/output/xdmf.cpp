@@ -50,7 +50,8 @@ std::string describe(const std::string &mesh_file, const ArrangedMesh &mesh,
   text << "    <Grid Name=\"body\" GridType=\"Uniform\">\n";
   if (state.has_time) text << "      <Time Value=\"" << exactly(state.t) << "\"/>\n";
   text << "      <Topology TopologyType=\"" << mesh.shape->xdmf << "\" NumberOfElements=\""
-       << mesh.total_cells << "\">\n        "
+       << mesh.total_cells << (mesh.shape->dimension == 1 ? "\" NodesPerElement=\"2" : "")
+       << "\">\n        "
        << data_item(integer, mesh.total_cells, mesh.shape->nodes, mesh_file, root + cells_dataset)
        << "\n      </Topology>\n      <Geometry GeometryType=\"XYZ\">\n        "
        << data_item(real, mesh.total_points, 3, mesh_file, root + points_dataset)
@@ -82,8 +83,12 @@ std::string escaped_for_xml(const std::string &text) {
 std::string describe_in_xdmf(const std::string &mesh_file, const ArrangedMesh &mesh,
                              const std::vector<XdmfState> &states) {
   const bool is_series = !states.empty() && states.front().has_time;
+  std::string obstacles;
+  for (const std::string &name : mesh.obstacles) obstacles += (obstacles.empty() ? "" : " ") + name;
+  if (!obstacles.empty()) obstacles = " Obstacles=\"" + escaped_for_xml(obstacles) + "\"";
   std::string text =
-      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<Xdmf Version=\"3.0\">\n  <Domain>\n";
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<Xdmf Version=\"3.0\">\n  <Domain" + obstacles +
+      ">\n";
   if (is_series)
     text += "    <Grid Name=\"states\" GridType=\"Collection\" CollectionType=\"Temporal\">\n";
   for (const XdmfState &state : states) text += describe(mesh_file, mesh, state);

@@ -17,7 +17,8 @@ struct XdmfState {
 };
 
 /// @param mesh_file name of the HDF5 file with the mesh, seen from the directory of the XDMF file
-/// @param mesh only its shape and its totals count
+/// @param mesh only its shape, its totals and its obstacles count: the domain has an attribute with
+/// their names, of which readers of XDMF know nothing
 /// @param states one, or the states of a series
 /// @return the whole text of the XDMF file
 std::string describe_in_xdmf(const std::string &mesh_file, const ArrangedMesh &mesh,

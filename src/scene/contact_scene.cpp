@@ -31,6 +31,7 @@ class Motion {
                                             box_of(mesh));
   }
 
+  [[nodiscard]] bool uses_place() const { return formula_ && formula_->uses_place(); }
   /// Throws InputError.
   [[nodiscard]] Vector3 at(const Vector3 &place, double time) const {
     Vector3 displacement;
@@ -70,8 +71,13 @@ struct Obstacles {
 Vector3 vector_of(const std::string &text, const std::string &option, const Mesh &mesh) {
   const double origin[3] = {0, 0, 0};
   const auto dimension = static_cast<std::size_t>(mesh.dimension());
-  const std::vector<double> values =
-      Expression(text, option, box_of(mesh)).evaluate(origin, 0, dimension);
+  const Expression formula(text, option, box_of(mesh));
+  if (formula.uses_time() || formula.uses_place()) {
+    throw InputError(option + " is '" + text +
+                     "', which depends on x, y, z or t; a half-space is the same everywhere, and "
+                     "moves by its `move`");
+  }
+  const std::vector<double> values = formula.evaluate(origin, 0, dimension);
   Vector3 result;
   for (std::size_t i = 0; i < dimension; ++i) result[static_cast<int>(i)] = values[i];
   return result;
@@ -86,6 +92,11 @@ HalfSpaceObstacle make_plane(const ObstacleOptions &obstacle, double friction, c
   if (!(length > 0)) throw InputError(option + "_plane is no direction: its length is 0");
   normal = (1 / length) * normal;
   const Motion motion(obstacle, mesh);
+  if (motion.uses_place()) {
+    throw InputError(option +
+                     "_move depends on x, y or z, but a half-space moves as a whole; give "
+                     "a formula in t, or a surface as -obstacle_NAME_file");
+  }
   static_cast<void>(motion.at(at, 1));
   return {obstacle.name,
           {normal, contact::dot(normal, at)},
@@ -123,6 +134,17 @@ PetscErrorCode read_obstacles(const Scene &scene, Obstacles *obstacles) {
     PetscCall(agree_on_complaint(comm, complaint));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+std::vector<DrawnObstacle> drawn(const Obstacles &obstacles, const Mesh &mesh) {
+  std::vector<DrawnObstacle> all;
+  for (const HalfSpaceObstacle &plane : obstacles.planes) {
+    all.push_back(draw_half_space(plane, mesh));
+  }
+  for (std::size_t k = 0; k < obstacles.surfaces.size(); ++k) {
+    all.push_back({obstacles.surfaces[k], obstacles.motions[k]});
+  }
+  return all;
 }
 
 /// kappa of the surface in front of each local cell.
@@ -213,6 +235,7 @@ PetscErrorCode add_contact(const std::vector<int> &region_of_cell, Scene *scene)
              "-assembly hook knows no matrix whose pattern changes, which contact needs; leave it "
              "out");
   PetscCall(read_obstacles(*scene, &obstacles));
+  if (!scene->options.output_file.empty()) scene->obstacles = drawn(obstacles, mesh);
   PetscCall(surface->set_up(mesh, scene->discretization.global_dofs(),
                             stiffness_of_cells(scene->options, region_of_cell,
                                                static_cast<std::size_t>(mesh.local_cells())),

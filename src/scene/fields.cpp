@@ -150,7 +150,12 @@ PetscErrorCode check_outputs(MPI_Comm comm, const SceneOptions &options) {
   const std::string &path = options.output_file;
   PetscFunctionBeginUser;
   PetscCall(check_motion_fields(comm, options));
-  if (!path.empty()) PetscCall(check_writable(comm, path));
+  if (!path.empty()) {
+    PetscCall(check_writable(comm, path));
+    for (const ObstacleOptions &obstacle : options.contact.obstacles) {
+      PetscCall(check_writable(comm, output_of_obstacle(path, obstacle.name)));
+    }
+  }
   if (!options.contact.iterates.empty()) {
     PetscCall(check_writable(comm, options.contact.iterates));
   }
@@ -202,10 +207,16 @@ PetscErrorCode FieldOutput::make_fields(std::vector<Field> *fields) const {
 }
 
 PetscErrorCode FieldOutput::open() {
+  const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(scene_.mesh.dm));
+  const std::string &file = scene_.options.output_file;
   PetscFunctionBeginUser;
   if (is_open_) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(series_.open(PetscObjectComm(reinterpret_cast<PetscObject>(scene_.mesh.dm)),
-                         scene_.options.output_file, output_of(scene_.mesh)));
+  OutputMesh mesh = output_of(scene_.mesh);
+  for (const DrawnObstacle &obstacle : scene_.obstacles) {
+    mesh.obstacles.push_back(obstacle.surface.name);
+  }
+  PetscCall(series_.open(comm, file, mesh));
+  PetscCall(obstacles_.open(comm, scene_.obstacles, file, is_series_));
   is_open_ = true;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -216,12 +227,15 @@ PetscErrorCode FieldOutput::write(double t) {
   if (scene_.options.output_file.empty()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(open());
   PetscCall(make_fields(&fields));
+  PetscCall(obstacles_.write(t));
   PetscCall(is_series_ ? series_.append(t, fields) : series_.write_only(fields));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 nlohmann::ordered_json FieldOutput::save() const {
-  return {{"file", scene_.options.output_file}, {"written", series_.save()}};
+  return {{"file", scene_.options.output_file},
+          {"written", series_.save()},
+          {"obstacles", obstacles_.save()}};
 }
 
 PetscErrorCode FieldOutput::go_on(const nlohmann::ordered_json &saved) {
@@ -230,6 +244,7 @@ PetscErrorCode FieldOutput::go_on(const nlohmann::ordered_json &saved) {
   if (!is_series_ || file.empty() || saved.at("file") != file) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(open());
   PetscCall(series_.go_on(saved.at("written")));
+  PetscCall(obstacles_.go_on(saved.value("obstacles", nlohmann::ordered_json::object())));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

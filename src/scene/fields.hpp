@@ -36,6 +36,7 @@ class FieldOutput {
   Scene &scene_;
   bool is_series_, is_open_ = false;
   Series series_;
+  ObstacleOutput obstacles_;
 };
 
 }  // namespace trefoil

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "element/isoparametric_element.hpp"
-#include "input/expression.hpp"
+#include "scene/load_formula.hpp"
 #include "support/collective_error.hpp"
 #include "support/petsc_compatibility.hpp"
 #include "term/dead_load_term.hpp"
@@ -19,44 +19,6 @@ namespace {
 
 using Point = std::array<double, 3>;
 
-/// A formula of a load: scaled by t, where that is no time, unless it depends on it.
-class Formula {
- public:
-  /// @param grows whether what does not depend on t is scaled by it
-  Formula(const Mesh &mesh, const std::string &text, std::string option, bool grows)
-      : dimension_(static_cast<std::size_t>(mesh.dimension())),
-        option_(std::move(option)),
-        expression_(text, option_, box_of(mesh)),
-        is_scaled_(grows && !expression_.uses_time()) {}
-
-  /// Throws InputError.
-  [[nodiscard]] Point vector(const Point &at, double time) const {
-    const std::vector<double> values = evaluate(at, time, dimension_);
-    return {values[0], values[1], dimension_ == 3 ? values[2] : 0};
-  }
-  [[nodiscard]] double scalar(const Point &at, double time) const {
-    return evaluate(at, time, 1)[0];
-  }
-
- private:
-  [[nodiscard]] std::vector<double> evaluate(const Point &at, double time,
-                                             std::size_t count) const {
-    std::vector<double> values = expression_.evaluate(at.data(), time, count);
-    if (std::any_of(values.begin(), values.end(), Expression::is_free)) {
-      throw InputError(option_ + ": 'free' is for displacements, not for loads");
-    }
-    if (is_scaled_) {
-      for (double &value : values) value *= time;
-    }
-    return values;
-  }
-
-  std::size_t dimension_;
-  std::string option_;
-  Expression expression_;
-  bool is_scaled_;
-};
-
 /// Adds a force per area at a point of a facet, by the shape functions there.
 void spread(const Point &force, const FacetPoint &point, const Facet &facet,
             std::vector<double> &forces) {
@@ -68,7 +30,7 @@ void spread(const Point &force, const FacetPoint &point, const Facet &facet,
 }
 
 /// rho g over a cell, integrated with the shape functions. Throws InputError.
-void add_weight(const Mesh &mesh, const Formula &gravity, const PetscInt *cell, double density,
+void add_weight(const Mesh &mesh, const LoadFormula &gravity, const PetscInt *cell, double density,
                 double time, std::vector<double> &forces) {
   const ReferenceElement &reference = reference_element(mesh.dimension(), mesh.nodes_per_cell());
   double positions[3 * ReferenceElement::most_nodes];
@@ -172,9 +134,9 @@ bool Loads::any_follows() const {
 }
 
 std::unique_ptr<PressureTerm> Loads::make_pressure(const Chosen &load) const {
-  const auto formula = std::make_shared<Formula>(*mesh_, load.options.pressure,
-                                                 "-load_" + load.options.name + "_pressure",
-                                                 !load.moves && !options_.is_in_time);
+  const auto formula = std::make_shared<LoadFormula>(*mesh_, load.options.pressure,
+                                                     "-load_" + load.options.name + "_pressure",
+                                                     !load.moves && !options_.is_in_time);
   const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(mesh_->dm));
   return std::make_unique<PressureTerm>(
       *mesh_, load.facets.facets, [formula, comm](double time, double *pressure) {
@@ -189,7 +151,7 @@ std::unique_ptr<PressureTerm> Loads::make_pressure(const Chosen &load) const {
 std::unique_ptr<Term> Loads::make_springs(const Chosen &load) const {
   const std::string option = "-load_" + load.options.name + "_spring";
   const bool grows = false;
-  const auto formula = std::make_shared<Formula>(*mesh_, load.options.spring, option, grows);
+  const auto formula = std::make_shared<LoadFormula>(*mesh_, load.options.spring, option, grows);
   return std::make_unique<FoundationTerm>(
       *mesh_, load.facets.facets,
       load.options.spring_normal ? FoundationTerm::Along::normal
@@ -253,11 +215,11 @@ PetscErrorCode Loads::add_load(Chosen &load, double time, std::vector<double> *f
       }
     };
     if (!load.options.traction.empty()) {
-      const Formula traction(*mesh_, load.options.traction, option + "traction", grows);
+      const LoadFormula traction(*mesh_, load.options.traction, option + "traction", grows);
       on_each_point([&](const FacetPoint &point) { return traction.vector(point.position, time); });
     }
     if (!load.options.force.empty()) {
-      const Formula total(*mesh_, load.options.force, option + "force", grows);
+      const LoadFormula total(*mesh_, load.options.force, option + "force", grows);
       on_each_point([&](const FacetPoint &point) {
         Point force = total.vector(point.position, time);
         for (double &component : force) component /= load.facets.area;
@@ -265,7 +227,7 @@ PetscErrorCode Loads::add_load(Chosen &load, double time, std::vector<double> *f
       });
     }
     if (!load.options.pressure.empty() && !load.options.follower) {
-      const Formula pressure(*mesh_, load.options.pressure, option + "pressure", grows);
+      const LoadFormula pressure(*mesh_, load.options.pressure, option + "pressure", grows);
       on_each_point([&](const FacetPoint &point) {
         const double p = pressure.scalar(point.position, time);
         return Point{-p * point.normal[0], -p * point.normal[1], -p * point.normal[2]};
@@ -280,7 +242,7 @@ PetscErrorCode Loads::add_gravity(double time, std::vector<double> *forces) {
   const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(mesh_->dm));
   PetscFunctionBeginUser;
   const std::string complaint = complaint_of([&] {
-    const Formula gravity(*mesh_, options_.gravity, "-load_gravity", !options_.is_in_time);
+    const LoadFormula gravity(*mesh_, options_.gravity, "-load_gravity", !options_.is_in_time);
     for (std::size_t c = 0; c < density_of_cell_.size(); ++c) {
       const PetscInt *cell = &mesh_->cells[static_cast<std::size_t>(mesh_->nodes_per_cell()) * c];
       add_weight(*mesh_, gravity, cell, density_of_cell_[c], time, *forces);

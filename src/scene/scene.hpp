@@ -9,6 +9,7 @@
 #include "scene/constraints.hpp"
 #include "scene/loads.hpp"
 #include "scene/moving_body.hpp"
+#include "scene/obstacle_output.hpp"
 #include "scene/probes.hpp"
 #include "scene/scene_options.hpp"
 #include "scene/solver_choice.hpp"
@@ -23,7 +24,8 @@ struct Scene {
   Discretization discretization;
   std::unique_ptr<EnergyFunctional> functional;
   Constraints constraints;
-  ContactTerm *contact = nullptr;  ///< of the functional; null: the scene has none
+  ContactTerm *contact = nullptr;        ///< of the functional; null: the scene has none
+  std::vector<DrawnObstacle> obstacles;  ///< where there is an output
   Loads loads;
   Probes probes;
   std::unique_ptr<CellStates> cells;     ///< for output

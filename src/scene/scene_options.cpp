@@ -9,6 +9,7 @@
 
 #include "output/snapshot.hpp"
 #include "scene/initial_displacement.hpp"
+#include "scene/obstacle_output.hpp"
 #include "scene/scene_option_rows.hpp"
 #include "scene/unknown_options.hpp"
 #include "support/petsc_compatibility.hpp"
@@ -151,6 +152,12 @@ PetscErrorCode check_files(MPI_Comm comm, const SceneOptions &options) {
     const std::vector<std::string> files = files_of_output(options.output_file);
     for (auto file = files.rbegin(); file != files.rend(); ++file) {
       written.insert(written.begin(), {"output_file", *file});
+    }
+    for (const ObstacleOptions &obstacle : options.contact.obstacles) {
+      for (const std::string &file :
+           files_of_output(output_of_obstacle(options.output_file, obstacle.name))) {
+        written.emplace_back("output_file", file);
+      }
     }
   }
   for (const auto &[option, file] : written) {

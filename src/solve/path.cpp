@@ -9,6 +9,7 @@
 
 #include "solve/loose_path.hpp"
 #include "solve/saved_numbers.hpp"
+#include "solve/start.hpp"
 #include "support/petsc_compatibility.hpp"
 
 namespace trefoil {

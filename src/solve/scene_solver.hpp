@@ -18,13 +18,6 @@ struct Attempt {
   std::string record, reason, linear_solver;
 };
 
-/// The state that a scene's way starts from, as -initial says. Collective.
-PetscErrorCode make_start(Scene &scene, SolveOutcome *outcome);
-
-/// How the start came about, for a run that goes on.
-void save_start(const SolveOutcome &outcome, SavedRun *run);
-PetscErrorCode load_start(const Checkpoint &checkpoint, SolveOutcome *outcome);
-
 /// The SNES of a scene: its energy, the program's defaults, the user's options. One can solve again
 /// and again: matrices, what a linear solver knows of their pattern and the rule's weight are kept.
 class SceneSolver {

@@ -14,6 +14,7 @@
 #include "solve/saved_numbers.hpp"
 #include "solve/scene_solver.hpp"
 #include "solve/set_linear_solver.hpp"
+#include "solve/start.hpp"
 #include "solve/start_check.hpp"
 #include "solve/step_sizes.hpp"
 #include "solve/time_walk.hpp"

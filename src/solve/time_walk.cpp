@@ -9,6 +9,7 @@
 #include "solve/run_record.hpp"
 #include "solve/saved_numbers.hpp"
 #include "solve/scene_solver.hpp"
+#include "solve/start.hpp"
 #include "solve/start_check.hpp"
 #include "solve/time_steps.hpp"
 #include "support/petsc_compatibility.hpp"

@@ -276,6 +276,9 @@ class Refused(ContactTest):
         self.refused([*PRESSED, "-contact_friction_iterations", "0"],
                      "-contact_friction_iterations is 0")
         self.refused([*PRESSED, "-obstacle_floor_plane", "0, 0, 0"], "is no direction")
+        self.refused([*PRESSED, "-obstacle_floor_plane", "0, 0, 1 + t"], "_plane is '0, 0, 1 + t'")
+        self.refused([*PRESSED, "-obstacle_floor_at", "0, 0, -0.1 - x"], "moves by its `move`")
+        self.refused([*PRESSED, "-obstacle_floor_move", "0, 0, 0.1*x"], "moves as a whole")
         self.refused([*BOX, *FLOOR], "let the body move rigidly")
         self.refused([*BOX, *TOP, "-obstacles", "ball", "-obstacle_ball_file", "none.obj"],
                      "cannot read 'none.obj'")
