@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "scene/initial_displacement.hpp"
 #include "solve/loose_path.hpp"
 #include "solve/saved_numbers.hpp"
 #include "solve/start.hpp"
@@ -24,20 +25,26 @@ class Tries {
       : scene_(scene), observe_(observe), checkpoint_(checkpoint), outcome_(outcome) {}
   Tries(const Tries &) = delete;
   Tries &operator=(const Tries &) = delete;
-  ~Tries() { static_cast<void>(VecDestroy(&end_of_leap_)); }
+  ~Tries() {
+    static_cast<void>(VecDestroy(&end_of_leap_));
+    static_cast<void>(VecDestroy(&end_of_path_));
+  }
 
   PetscErrorCode go();
 
  private:
   /// What is under way.
-  enum class Stage { leap, path, leap_behind_path };
+  enum class Stage { leap, path, leap_behind_path, leap_beside_path };
 
   PetscErrorCode save(SavedRun *run) const;
   PetscErrorCode go_on();
-  PetscErrorCode leap();
+  PetscErrorCode start_leap();
+  PetscErrorCode leap(bool may_fail, Attempt *end);
   PetscErrorCode find_bound();
   PetscErrorCode take_path();
   PetscErrorCode return_to_leap();
+  [[nodiscard]] bool leap_may_be_lower() const;
+  PetscErrorCode leap_beside_path();
   void join();
 
   Scene &scene_;
@@ -50,7 +57,8 @@ class Tries {
   double bound_ = INFINITY;          ///< the energy of the leap's end, which a path has to beat
   PetscLogDouble begin_ = 0;
   Attempt attempt_;            ///< the one that counts, so far
-  Vec end_of_leap_ = nullptr;  ///< null: it was not tried
+  Vec end_of_leap_ = nullptr;  ///< null: it was not tried before a path
+  Vec end_of_path_ = nullptr;  ///< null: no leap is tried beside it
   bool path_counts_ = false;
   std::vector<AttemptRecord> leap_records_, path_records_;
 };
@@ -65,6 +73,7 @@ PetscErrorCode Tries::save(SavedRun *run) const {
   save_start(*outcome_, run);
   if (path_) PetscCall(path_->save(run));
   if (path_ && end_of_leap_) PetscCall(checkpoint_.keep(end_of_leap_, "end_of_leap", false, run));
+  if (end_of_path_) PetscCall(checkpoint_.keep(end_of_path_, "end_of_path", false, run));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -78,38 +87,88 @@ PetscErrorCode Tries::go_on() {
     leap_records_ = records_of(numbers.at("leap_records"));
     path_records_ = records_of(numbers.at("path_records"));
   }));
+  path_counts_ = stage_ == Stage::leap_beside_path;
   outcome_->path_is_rejected = stage_ == Stage::leap_behind_path;
   PetscCall(load_start(checkpoint_, outcome_));
+  if (stage_ == Stage::leap_beside_path) {
+    PetscCall(VecDuplicate(scene_.displacement, &end_of_path_));
+    PetscCall(checkpoint_.fetch("end_of_path", end_of_path_));
+  }
   if (!std::isfinite(bound_)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(VecDuplicate(scene_.displacement, &end_of_leap_));
   PetscCall(checkpoint_.fetch("end_of_leap", end_of_leap_));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Tries::leap() {
+/// Back to where a leap starts, from a path.
+PetscErrorCode Tries::start_leap() {
+  PetscFunctionBeginUser;
+  PetscCall(LoadPath(scene_).set_time(1));
+  PetscCall(VecSet(scene_.displacement, 0));
+  PetscCall(make_start(scene_, outcome_));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode Tries::leap(bool may_fail, Attempt *end) {
   PetscLogDouble now = 0;
   PetscFunctionBeginUser;
   PetscCall(PetscTime(&now));
-  const AttemptOptions how{
-      .head_start = now - begin_, .goes_on = std::exchange(goes_on_, false), .is_last = true};
-  PetscCall(solve_from_start(scene_, how, checkpoint_, *outcome_, &attempt_));
-  outcome_->linear_solver = attempt_.linear_solver;
-  leap_records_.push_back({attempt_.record, 1, false});
+  const AttemptOptions how{.head_start = now - begin_,
+                           .may_fail = may_fail,
+                           .goes_on = std::exchange(goes_on_, false),
+                           .is_last = true};
+  PetscCall(solve_from_start(scene_, how, checkpoint_, *outcome_, end));
+  if (end->record.empty()) PetscFunctionReturn(PETSC_SUCCESS);
+  outcome_->linear_solver = end->linear_solver;
+  leap_records_.push_back({end->record, 1, false});
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /// To the end of the leap, which is taken now if it was not.
 PetscErrorCode Tries::return_to_leap() {
   PetscFunctionBeginUser;
-  PetscCall(LoadPath(scene_).set_time(1));
   if (end_of_leap_) {
+    PetscCall(LoadPath(scene_).set_time(1));
     PetscCall(VecCopy(end_of_leap_, scene_.displacement));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   stage_ = Stage::leap_behind_path;
-  PetscCall(VecSet(scene_.displacement, 0));
-  PetscCall(make_start(scene_, outcome_));
-  PetscCall(leap());
+  PetscCall(start_leap());
+  PetscCall(leap(false, &attempt_));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// A path that was taken at once and has ended with inverted elements: where volume is cheap, a
+/// leap from fitted rotations may end lower. Where it is dear it takes long, and does not.
+bool Tries::leap_may_be_lower() const {
+  return path_counts_ && attempt_.inverted > 0 && !end_of_leap_ &&
+         choose_initial(scene_.options) == "arap";
+}
+
+PetscErrorCode Tries::leap_beside_path() {
+  Attempt leap_end;
+  EnergySums of_path, of_leap;
+  PetscFunctionBeginUser;
+  if (!goes_on_) {
+    stage_ = Stage::leap_beside_path;
+    PetscCall(VecDuplicate(scene_.displacement, &end_of_path_));
+    PetscCall(VecCopy(scene_.displacement, end_of_path_));
+    PetscCall(PetscPrintf(PetscObjectComm(reinterpret_cast<PetscObject>(scene_.mesh.dm)),
+                          "the path ends with inverted elements: a leap, too\n"));
+    PetscCall(start_leap());
+  }
+  PetscCall(leap(true, &leap_end));
+  PetscCall(scene_.functional->energy(end_of_path_, &of_path));
+  PetscCall(scene_.functional->energy(scene_.displacement, &of_leap));
+  if (leap_end.converged && of_leap.energy < of_path.energy) {
+    attempt_ = leap_end;
+    path_counts_ = false;
+    outcome_->path_is_rejected = true;
+    outcome_->path_halvings = 0;
+  } else {
+    PetscCall(VecCopy(end_of_path_, scene_.displacement));
+    outcome_->linear_solver = attempt_.linear_solver;
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -172,9 +231,12 @@ PetscErrorCode Tries::go() {
     PetscCall(make_start(scene_, outcome_));
     if (is_above(outcome_->inverted_at_start, hard_share, scene_)) stage_ = Stage::path;
   }
-  if (stage_ != Stage::path) PetscCall(leap());
+  if (stage_ == Stage::leap || stage_ == Stage::leap_behind_path) {
+    PetscCall(leap(false, &attempt_));
+  }
   const bool is_folded = stage_ == Stage::leap && attempt_.converged && attempt_.inverted > 0;
   if (stage_ == Stage::path || is_folded) PetscCall(take_path());
+  if (stage_ == Stage::leap_beside_path || leap_may_be_lower()) PetscCall(leap_beside_path());
   outcome_->converged = attempt_.converged;
   if (attempt_.converged) PetscCall(observe_(1, attempt_.iterations, false));
   join();

@@ -11,7 +11,8 @@ PetscErrorCode may_take_path(const SceneOptions &options, bool *may);
 
 /// Solves a scene in one leap from its starting guess or, where it is hard, on a path. A scene is
 /// hard where its guess has more than one element in two hundred inverted. Where the end of a leap
-/// has inverted elements the path is tried as well, and counts if its end is lower.
+/// has inverted elements the path is tried as well, and counts if its end is lower; and the leap
+/// where a path has such an end and no material is nearly incompressible.
 ///
 /// A path leads from rest to the loads and displacements in a few steps, a third of the way each:
 /// all but the last are solved only as far as the next one needs. Where volume is dear, the minimum

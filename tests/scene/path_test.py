@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """The path that a hard scene is led on of the program's own accord: where it is taken, where it is
 cut, and where it is not."""
+import math
 import os
 import sys
 import tempfile
@@ -129,6 +130,38 @@ class HardEnd(unittest.TestCase):
         self.assertTrue(all(step["rejected"] for step in record["steps"][:-1]))
         self.assertNotIn("rejected", record["steps"][-1])
         self.assertEqual(record["steps"][-1]["iterations"], leap["result"]["iterations"])
+
+
+class FoldedPath(unittest.TestCase):
+    """A cube at nu .3, pressed by three tenths and turned: a path that is taken at once and ends with
+    inverted elements. The leap is tried as well, and the lower end counts."""
+
+    def ends(self, degrees, ranks=1):
+        c, s = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
+        scene = [*BOX, "-mesh_resolution", "6", "-material_poisson", "0.3", "-material_young", "1",
+                 "-constraints", "held,turned",
+                 "-constraint_held_where", "z < 0.1", "-constraint_turned_where", "z > 0.9",
+                 "-constraint_turned_move", f"{c - 1}*(x-0.5) - {s}*(y-0.5), "
+                 f"{s}*(x-0.5) + {c - 1}*(y-0.5), -0.3"]
+        record = record_of(scene, ranks)
+        self.assertEqual(record["status"], 0)
+        self.assertIn("the path ends with inverted elements: a leap, too", record["printed"])
+        leap = record_of([*scene, "-load_steps", "1"], ranks)
+        return record, leap
+
+    def test_counts_where_no_leap_is_lower(self):
+        record, leap = self.ends(130)
+        self.assertLess(above_rest(record), above_rest(leap) * (1 + 1e-9))
+        self.assertFalse(any("rejected" in step for step in record["steps"]))
+        self.assertEqual(record["result"]["iterations"], leap["result"]["iterations"]
+                         + sum(step["iterations"] for step in record["steps"]))
+
+    def test_gives_way_to_a_lower_leap(self):
+        for ranks in (1, 2):
+            record, leap = self.ends(160, ranks)
+            self.assertAlmostEqual(above_rest(record), above_rest(leap), delta=1e-6)
+            self.assertEqual(record["steps"][-1]["iterations"], leap["result"]["iterations"])
+            self.assertTrue(all(step["rejected"] for step in record["steps"][:-1]))
 
 
 if __name__ == "__main__":

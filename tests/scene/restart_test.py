@@ -4,6 +4,7 @@ other numbers of ranks, to the same end; files that do not fit are refused."""
 import csv
 import glob
 import json
+import math
 import os
 import resource
 import signal
@@ -203,6 +204,21 @@ class Static(RestartTest):
                 status, text = self.interrupt([*options, *MOMENT], at, signal.SIGKILL)
                 self.assertEqual(status, -signal.SIGKILL, text)
                 self.same_end(whole, self.solve([*options, "-restart", "run.ckpt"], 2))
+
+    def test_leap_beside_a_path(self):
+        """The leap is tried as well, where a path ends with inverted elements; either may count."""
+        for angle in (130, 160):
+            c, s = math.cos(math.radians(angle)), math.sin(math.radians(angle))
+            options = [*ENDS, *TIGHT, "-mesh_resolution", "6", "-material_poisson", "0.3",
+                       "-constraint_high_move",
+                       f"{c - 1}*(x-0.5) - {s}*(y-0.5), {s}*(x-0.5) + {c - 1}*(y-0.5), -0.3"]
+            whole = self.solve(options)
+            with self.subTest(angle=angle):
+                self.interrupt([*options, *MOMENT], "the path ends with", signal.SIGKILL)
+                again = self.solve([*options, "-restart", "run.ckpt"], 2)
+                self.same_end(whole, again)
+                self.assertEqual([step.get("rejected") for step in whole["steps"]],
+                                 [step.get("rejected") for step in again["steps"]])
 
     def test_contact(self):
         options = ["-mesh_generate", "box", "-mesh_resolution", "3", "-material_young", "1e5",
