@@ -91,183 +91,82 @@ PetscErrorCode ContactTerm::add_energy(const double *u, EnergySums *sums) const 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode ContactTerm::add_gradient(const double *u, double *gradient) const {
-  Positions x, v, forces(3 * surface().vertices.size(), 0);
+/// Derivatives of the energy by the positions of the surface's vertices, of this rank's pairs.
+PetscErrorCode ContactTerm::add_forces(const double *u, const Positions &x,
+                                       Positions *forces) const {
+  Positions v;
   PetscFunctionBeginUser;
-  PetscCall(positions(u, &x));
-  contact::add_contact_gradient(surface(), law_, candidates_at(x), x, forces);
+  contact::add_contact_gradient(surface(), law_, candidates_at(x), x, *forces);
   for (std::size_t k = 0; k < planes_.size(); ++k) {
     contact::add_half_space_gradient(surface(), law_, plane_at(k, time_), surface_->own_vertices(),
-                                     x, forces);
+                                     x, *forces);
   }
-  if (rubs()) {
-    const double e = parameters_.slip_velocity * slip_time_;
-    PetscCall(slip(u, &v));
-    contact::add_friction_gradient(friction_, v, e, forces);
-    for (const auto &pairs : plane_friction_) {
-      contact::add_friction_gradient(pairs, v, e, forces);
-    }
+  if (!rubs()) PetscFunctionReturn(PETSC_SUCCESS);
+  const double e = parameters_.slip_velocity * slip_time_;
+  PetscCall(slip(u, &v));
+  contact::add_friction_gradient(friction_, v, e, *forces);
+  for (const auto &pairs : plane_friction_) contact::add_friction_gradient(pairs, v, e, *forces);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Hessians of this rank's pairs, one after the other.
+PetscErrorCode ContactTerm::visit_hessians(const double *u, const Positions &x,
+                                           const HessianVisitor &visit) const {
+  Positions v;
+  PetscFunctionBeginUser;
+  contact::contact_hessians(surface(), law_, candidates_at(x), x, [&](const auto &pair) {
+    visit(pair.vertices, pair.H.data(), pair.N.data());
+  });
+  for (std::size_t k = 0; k < planes_.size(); ++k) {
+    const contact::HalfSpace plane = plane_at(k, time_);
+    const Vector3 &n = plane.normal;
+    contact::half_space_hessians(surface(), law_, plane, surface_->own_vertices(), x,
+                                 [&](int vertex, double curvature) {
+                                   double H[9];
+                                   for (int i = 0; i < 9; ++i)
+                                     H[i] = curvature * n[i / 3] * n[i % 3];
+                                   visit(std::span(&vertex, 1), H, nullptr);
+                                 });
   }
+  if (!rubs()) PetscFunctionReturn(PETSC_SUCCESS);
+  const double e = parameters_.slip_velocity * slip_time_;
+  const auto take = [&](const auto &pair) { visit(pair.vertices, pair.H.data(), nullptr); };
+  PetscCall(slip(u, &v));
+  contact::friction_hessians(friction_, v, e, take);
+  for (const auto &pairs : plane_friction_) contact::friction_hessians(pairs, v, e, take);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode ContactTerm::add_gradient(const double *u, double *gradient) const {
+  Positions x, forces(3 * surface().vertices.size(), 0);
+  PetscFunctionBeginUser;
+  PetscCall(positions(u, &x));
+  PetscCall(add_forces(u, x, &forces));
   PetscCall(surface_->add_at_owners(forces, gradient));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-namespace {
-
-/// The places of a pair's unknowns in the whole system.
-std::array<PetscInt, 12> dofs_of(const ContactSurface &surface,
-                                 const std::array<int, 4> &vertices) {
-  std::array<PetscInt, 12> dofs;
-  dofs.fill(-1);
-  for (std::size_t a = 0; a < 4; ++a) {
-    if (vertices[a] < 0) continue;
-    std::copy_n(surface.dofs(vertices[a]).begin(), 3, dofs.begin() + 3 * a);
-  }
-  return dofs;
-}
-
-/// Takes matrices of pairs in plain functions and gives them to a sink.
-class PairSink {
- public:
-  PairSink(const ContactSurface &surface, StencilSink &sink) : surface_(surface), sink_(sink) {}
-
-  void add(const std::array<int, 4> &vertices, const double *H, const double *N) {
-    if (error_) return;
-    const auto dofs = dofs_of(surface_, vertices);
-    const bool is_split = N && std::any_of(N, N + 144, [](double entry) { return entry != 0; });
-    const Stencil stencil{.n = 12, .dofs = dofs.data(), .global = true};
-    error_ = sink_.add_split(stencil, H, N, is_split ? 1 : 0);
-  }
-  void add_vertex(int vertex, const double *H) {
-    if (error_) return;
-    const Stencil stencil{.n = 3, .dofs = surface_.dofs(vertex).data(), .global = true};
-    error_ = sink_.add_split(stencil, H, nullptr, 0);
-  }
-  [[nodiscard]] PetscErrorCode error() const { return error_; }
-
- private:
-  const ContactSurface &surface_;
-  StencilSink &sink_;
-  PetscErrorCode error_ = PETSC_SUCCESS;
-};
-
-}  // namespace
-
 PetscErrorCode ContactTerm::add_hessian(const double *u, StencilSink &sink) const {
-  Positions x, v;
-  PairSink pairs(*surface_, sink);
+  Positions x;
+  PetscErrorCode error = PETSC_SUCCESS;
   PetscFunctionBeginUser;
   PetscCall(positions(u, &x));
-  contact::contact_hessians(surface(), law_, candidates_at(x), x, [&](const auto &pair) {
-    pairs.add(pair.vertices, pair.H.data(), pair.N.data());
-  });
-  for (std::size_t k = 0; k < planes_.size(); ++k) {
-    const contact::HalfSpace plane = plane_at(k, time_);
-    contact::half_space_hessians(surface(), law_, plane, surface_->own_vertices(), x,
-                                 [&](int vertex, double curvature) {
-                                   double H[9];
-                                   for (int i = 0; i < 9; ++i)
-                                     H[i] = curvature * plane.normal[i / 3] * plane.normal[i % 3];
-                                   pairs.add_vertex(vertex, H);
-                                 });
-  }
-  if (rubs()) {
-    const double e = parameters_.slip_velocity * slip_time_;
-    const auto add = [&](const auto &pair) { pairs.add(pair.vertices, pair.H.data(), nullptr); };
-    PetscCall(slip(u, &v));
-    contact::friction_hessians(friction_, v, e, add);
-    for (const auto &of_plane : plane_friction_) contact::friction_hessians(of_plane, v, e, add);
-  }
-  PetscCall(pairs.error());
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-namespace {
-
-/// A quadratic model on a line or a plane: slopes along the directions, and curvatures.
-struct PlaneModel {
-  double slope[2] = {0, 0}, curvature[2][2] = {{0, 0}, {0, 0}};
-};
-
-/// A sink that keeps nothing but the curvatures of H + N along directions of the surface.
-class CurvatureSum {
- public:
-  CurvatureSum(const std::vector<std::vector<double>> &d, PlaneModel *model)
-      : d_(d), model_(model) {}
-
-  void add(std::span<const int> vertices, const double *H, const double *N) {
-    const std::size_t n = 3 * vertices.size();
-    for (std::size_t k = 0; k < d_.size(); ++k) {
-      for (std::size_t l = 0; l < d_.size(); ++l) {
-        for (std::size_t i = 0; i < n; ++i) {
-          for (std::size_t j = 0; j < n; ++j) {
-            const double entry = H[n * i + j] + (N ? N[n * i + j] : 0);
-            model_->curvature[k][l] += at(k, vertices, i) * entry * at(l, vertices, j);
+  PetscCall(
+      visit_hessians(u, x, [&](std::span<const int> vertices, const double *H, const double *N) {
+        std::array<PetscInt, 12> dofs;
+        dofs.fill(-1);
+        for (std::size_t a = 0; a < vertices.size(); ++a) {
+          if (vertices[a] >= 0) {
+            std::copy_n(surface_->dofs(vertices[a]).begin(), 3, dofs.begin() + 3 * a);
           }
         }
-      }
-    }
-  }
-
- private:
-  [[nodiscard]] double at(std::size_t k, std::span<const int> vertices, std::size_t i) const {
-    const int vertex = vertices[i / 3];
-    return vertex < 0 ? 0 : d_[k][3 * static_cast<std::size_t>(vertex) + i % 3];
-  }
-  const std::vector<std::vector<double>> &d_;
-  PlaneModel *model_;
-};
-
-}  // namespace
-
-PetscErrorCode ContactTerm::add_energy_changes(const double *u, std::size_t, int directions,
-                                               const double *const *d, int points,
-                                               const double *coefficients, double *changes) const {
-  Positions x, v, forces(3 * surface().vertices.size(), 0);
-  std::vector<std::vector<double>> all(static_cast<std::size_t>(directions));
-  PlaneModel model;
-  PetscFunctionBeginUser;
-  PetscCall(positions(u, &x));
-  for (std::size_t k = 0; k < all.size(); ++k) PetscCall(surface_->gather(d[k], &all[k]));
-  CurvatureSum sum(all, &model);
-  const auto add_pair = [&](const auto &pair) {
-    sum.add(pair.vertices, pair.H.data(), pair.N.data());
-  };
-  const std::vector<ContactPair> &pairs = candidates_at(x);
-  contact::add_contact_gradient(surface(), law_, pairs, x, forces);
-  contact::contact_hessians(surface(), law_, pairs, x, add_pair);
-  for (std::size_t k = 0; k < planes_.size(); ++k) {
-    const contact::HalfSpace plane = plane_at(k, time_);
-    contact::add_half_space_gradient(surface(), law_, plane, surface_->own_vertices(), x, forces);
-    contact::half_space_hessians(surface(), law_, plane, surface_->own_vertices(), x,
-                                 [&](int vertex, double curvature) {
-                                   double H[9];
-                                   for (int i = 0; i < 9; ++i)
-                                     H[i] = curvature * plane.normal[i / 3] * plane.normal[i % 3];
-                                   sum.add(std::span<const int>(&vertex, 1), H, nullptr);
-                                 });
-  }
-  if (rubs()) {
-    const double e = parameters_.slip_velocity * slip_time_;
-    const auto add = [&](const auto &pair) { sum.add(pair.vertices, pair.H.data(), nullptr); };
-    PetscCall(slip(u, &v));
-    contact::add_friction_gradient(friction_, v, e, forces);
-    contact::friction_hessians(friction_, v, e, add);
-    for (const auto &of_plane : plane_friction_) {
-      contact::add_friction_gradient(of_plane, v, e, forces);
-      contact::friction_hessians(of_plane, v, e, add);
-    }
-  }
-  for (std::size_t k = 0; k < all.size(); ++k) {
-    for (std::size_t i = 0; i < forces.size(); ++i) model.slope[k] += forces[i] * all[k][i];
-  }
-  for (int p = 0; p < points; ++p) {
-    const double *c = coefficients + directions * p;
-    for (int k = 0; k < directions; ++k) {
-      changes[p] += c[k] * model.slope[k];
-      for (int l = 0; l < directions; ++l) changes[p] += 0.5 * c[k] * c[l] * model.curvature[k][l];
-    }
-  }
+        const int n = static_cast<int>(3 * vertices.size());
+        const bool is_split =
+            N && std::any_of(N, N + n * n, [](double entry) { return entry != 0; });
+        if (!error)
+          error = sink.add_split({.n = n, .dofs = dofs.data(), .global = true}, H, N, is_split);
+      }));
+  PetscCall(error);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

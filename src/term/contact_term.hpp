@@ -121,6 +121,13 @@ class ContactTerm final : public Term {
   PetscErrorCode positions(const double *u, Positions *x) const;
   PetscErrorCode positions_at(const double *u, double time, Positions *x) const;
   const std::vector<contact::ContactPair> &candidates_at(const Positions &x) const;
+  PetscErrorCode add_forces(const double *u, const Positions &x, Positions *forces) const;
+  /// Takes a 3 x 3 block row by row for each pair of the vertices, some of which may be -1: the
+  /// Hessian and its negative part, which is null where there is none.
+  using HessianVisitor =
+      std::function<void(std::span<const int> vertices, const double *H, const double *N)>;
+  PetscErrorCode visit_hessians(const double *u, const Positions &x,
+                                const HessianVisitor &visit) const;
   PetscErrorCode slip(const double *u, Positions *v) const;
   [[nodiscard]] bool rubs() const;
   [[nodiscard]] std::string name_of(const contact::ContactPair &pair) const;
