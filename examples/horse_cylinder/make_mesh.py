@@ -35,14 +35,13 @@ def cylinder(x, y, z):
     return 0.25 * a, 1.6 * (y - 0.5), 0.3 + 0.25 * b
 
 
-def main():
+def write(path):
     points, cells = [], []
     for counts, place in (((20, 8, 5), saddle), ((6, 20, 6), cylinder)):
         new_points, new_cells = block(counts, place)
         cells += [[corner + len(points) for corner in cell] for cell in new_cells]
         points += new_points
-    with open(sys.argv[1] if len(sys.argv) > 1 else "saddle_cylinder.mesh", "w",
-              encoding="utf-8") as file:
+    with open(path, "w", encoding="utf-8") as file:
         file.write(f"MeshVersionFormatted 2\nDimension 3\nVertices\n{len(points)}\n")
         file.writelines("%.17g %.17g %.17g 0\n" % point for point in points)
         file.write(f"Tetrahedra\n{len(cells)}\n")
@@ -51,4 +50,4 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    write(sys.argv[1] if len(sys.argv) > 1 else "saddle_cylinder.mesh")

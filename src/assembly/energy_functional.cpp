@@ -150,7 +150,7 @@ PetscErrorCode EnergyFunctional::hessian(Vec x, Mat H, Mat *negative,
                                PetscObjectComm(reinterpret_cast<PetscObject>(H))));
     if (indefinite > 0) {
       TrefoilSplitStatistics again{};
-      PetscCall(MatDuplicate(H, MAT_DO_NOT_COPY_VALUES, negative));
+      PetscCall(hessian_.make_negative(H, negative));
       PetscCall(hessian_.assemble(u, nullptr, *negative, wanted, &again));
       statistics->filter_seconds += again.filter_seconds;
     }

@@ -222,14 +222,27 @@ PetscErrorCode HessianAssembler::update_pattern(const double *u, Mat H, Mat *N) 
   if (!any) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &anew, 1, MPI_INT, MPI_MAX,
                              PetscObjectComm(reinterpret_cast<PetscObject>(H))));
-  if (!anew && has_pairs_) PetscFunctionReturn(PETSC_SUCCESS);
-  if (!has_pairs_) PetscCall(prepare(H));  // while it has the cells' pattern
-  for (const auto &term : terms_) {
-    if (term->couples_pairs()) term->append_pairs(&pairs);
+  if (anew || !has_pairs_) {
+    if (!has_pairs_) PetscCall(prepare(H));  // while it has the cells' pattern
+    for (const auto &term : terms_) {
+      if (term->couples_pairs()) term->append_pairs(&pairs);
+    }
+    PetscCall(discretization_.set_pattern(pairs, H));
+    has_pairs_ = true;
+    fitting_negative_ = 0;
   }
-  PetscCall(discretization_.set_pattern(pairs, H));
-  if (N) PetscCall(MatDestroy(N));
-  has_pairs_ = true;
+  if (N && *N) {
+    PetscObjectId id = 0;
+    PetscCall(PetscObjectGetId(reinterpret_cast<PetscObject>(*N), &id));
+    if (id != fitting_negative_) PetscCall(MatDestroy(N));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode HessianAssembler::make_negative(Mat H, Mat *N) {
+  PetscFunctionBeginUser;
+  PetscCall(MatDuplicate(H, MAT_DO_NOT_COPY_VALUES, N));
+  PetscCall(PetscObjectGetId(reinterpret_cast<PetscObject>(*N), &fitting_negative_));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

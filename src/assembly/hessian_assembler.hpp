@@ -54,9 +54,11 @@ class HessianAssembler {
   PetscErrorCode assemble_constants(Mat P);
 
   /// Where terms couple pairs of vertices: chooses the pairs for u, and where they are others than
-  /// before gives H their pattern and destroys N, which no longer fits. Before assemble().
-  /// Collective.
+  /// before gives H their pattern. Destroys N unless make_negative() has made it since: one that
+  /// was made before a step without N does not fit. Before assemble(). Collective.
   PetscErrorCode update_pattern(const double *u, Mat H, Mat *N);
+  /// Makes N with the pattern of H. Collective.
+  PetscErrorCode make_negative(Mat H, Mat *N);
 
   /// Number of negative eigenvalues of each cell's element. Collective.
   PetscErrorCode count_negative(const double *u, std::vector<double> *counts) const;
@@ -83,8 +85,9 @@ class HessianAssembler {
     int version;
   };
   std::vector<Constant> constants_;
-  bool has_pairs_ = false;             ///< H has places for pairs of vertices without a common cell
-  Mat cells_[2] = {nullptr, nullptr};  ///< the cells' part of H and N then
+  bool has_pairs_ = false;  ///< H has places for pairs of vertices without a common cell
+  PetscObjectId fitting_negative_ = 0;  ///< of the N with the pattern of the present pairs
+  Mat cells_[2] = {nullptr, nullptr};   ///< the cells' part of H and N then
 };
 
 }  // namespace trefoil

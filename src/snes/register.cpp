@@ -8,7 +8,7 @@
 #include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
-PetscLogEvent event_filter = -1, event_assembly = -1, event_search = -1;
+PetscLogEvent event_filter = -1, event_assembly = -1, event_search = -1, event_pairs = -1;
 }
 
 static bool registered = false;
@@ -68,6 +68,7 @@ PetscErrorCode TrefoilInitializePackage(void) {
   PetscCall(PetscLogEventRegister("TrefoilFilter", id, &trefoil::event_filter));
   PetscCall(PetscLogEventRegister("TrefoilAssembly", id, &trefoil::event_assembly));
   PetscCall(PetscLogEventRegister("TrefoilSearch", id, &trefoil::event_search));
+  PetscCall(PetscLogEventRegister("TrefoilPairs", id, &trefoil::event_pairs));
   PetscCall(PetscRegisterFinalize(TrefoilFinalizePackage));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "support/log_events.hpp"
 #include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
@@ -10,6 +11,18 @@ namespace trefoil {
 using contact::ContactPair;
 using contact::FrictionPair;
 using contact::Vector3;
+
+namespace {
+
+/// Searches for pairs, as an event of -log_view.
+template <class Search>
+void log_pairs(const Search &search) {
+  static_cast<void>(PetscLogEventBegin(event_pairs, nullptr, nullptr, nullptr, nullptr));
+  search();
+  static_cast<void>(PetscLogEventEnd(event_pairs, nullptr, nullptr, nullptr, nullptr));
+}
+
+}  // namespace
 
 ContactTerm::ContactTerm(std::unique_ptr<ContactSurface> surface, ContactParameters parameters,
                          std::vector<HalfSpaceObstacle> planes, std::vector<ObstacleMotion> motions)
@@ -65,7 +78,7 @@ PetscErrorCode ContactTerm::positions(const double *u, Positions *x) const {
 /// This rank's pairs that may be nearer than dhat.
 const std::vector<ContactPair> &ContactTerm::candidates_at(const Positions &x) const {
   if (has_pairs_ && !candidates_.covers(x)) {
-    candidates_.find(surface(), x, search(law_.distance));
+    log_pairs([&] { candidates_.find(surface(), x, search(law_.distance)); });
   }
   return candidates_.pairs();
 }
@@ -195,6 +208,7 @@ std::vector<ContactTerm::VertexPair> ContactTerm::vertex_pairs(
 PetscErrorCode ContactTerm::choose_pairs(const double *u, bool *changed) {
   constexpr double skin = 2;
   Positions x;
+  std::vector<ContactPair> near;
   PetscFunctionBeginUser;
   PetscCall(positions(u, &x));
   const auto needed =
@@ -204,7 +218,8 @@ PetscErrorCode ContactTerm::choose_pairs(const double *u, bool *changed) {
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &missing, 1, MPI_INT, MPI_MAX, surface_->comm()));
   *changed = missing != 0;
   if (!*changed) PetscFunctionReturn(PETSC_SUCCESS);
-  pattern_ = vertex_pairs(contact::find_candidates(surface(), x, search(skin * law_.distance)));
+  log_pairs([&] { near = contact::find_candidates(surface(), x, search(skin * law_.distance)); });
+  pattern_ = vertex_pairs(near);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -225,7 +240,7 @@ PetscErrorCode ContactTerm::limit_step(const double *u, const double *d, double 
   for (double &s : step) s *= first;
   double share = 1;
   if (has_pairs_) {
-    candidates_.find(surface(), x, step, search(law_.distance));
+    log_pairs([&] { candidates_.find(surface(), x, step, search(law_.distance)); });
     share = contact::allowed_step(surface(), candidates_.pairs(), x, step, parameters_.limits,
                                   candidates_.share())
                 .step;

@@ -148,6 +148,12 @@ class Bodies(ContactTest):
                  for step in mesh_files.steps_of(self.path("free.xdmf"))]
         self.assertTrue(any(found))
 
+    def test_a_knot_meets_itself_in_steps_with_and_without_filter(self):
+        """The pattern of H changes in steps that make no N; the one from before does not fit then."""
+        record = self.solve([*KNOT, "-contact_self", "-snes_trefoil_filter", "on_demand"])
+        self.assertGreater(record["result"]["contact_pairs"], 10)
+        self.assertLessEqual({0, 0.5}, {entry["weight"] for entry in record["history"]})
+
     def test_a_body_on_another_on_any_ranks(self):
         boxes_file(self.path("boxes.mesh"), 0.05)
         options = ["-mesh_file", "boxes.mesh", "-mesh_refine", "1", "-contact_distance", "0.01",
