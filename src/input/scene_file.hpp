@@ -12,8 +12,8 @@ namespace trefoil {
 /// own options files.
 ///
 /// Parts with names may be written once: `constraints: {wall: {group: wall}}` becomes
-/// `-constraint_wall_group wall -constraints wall`; likewise regions, loads, probes. Several files
-/// add up their names.
+/// `-constraint_wall_group wall -constraints wall`; likewise regions, loads, probes, obstacles,
+/// bodies. Several files add up their names.
 class SceneFileReader {
  public:
   /// The words, in the order of the file; values that look like options have a blank in front.

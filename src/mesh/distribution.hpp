@@ -56,7 +56,7 @@ PetscErrorCode complete_mesh(MPI_Comm comm, PetscInt refine, Mesh *mesh);
 /// Which groups and which sets of groups there are, as numbers and as names.
 struct GroupTables {
   std::vector<PetscInt> numbers;
-  std::string names;  ///< each ends in a zero
+  std::string names;  ///< each ends in a zero; of several bodies one's own and \x1f come before
 };
 GroupTables pack_groups(const Groups &groups);
 /// The other way round. Throws InputError where the tables make no sense.

@@ -254,6 +254,7 @@ PetscErrorCode add_contact(const std::vector<int> &region_of_cell, Scene *scene)
                                     std::move(obstacles.planes), std::move(obstacles.motions));
   PetscCall(check_rest(*scene, diagonal, *term));
   PetscCall(check_outside(mesh, obstacles.surfaces));
+  PetscCall(check_bodies_apart(mesh, term->contact_surface()));
   if (!options.iterates.empty()) PetscCall(write_iterates(scene, *term));
   scene->contact = term.get();
   scene->functional->add_term(std::move(term));

@@ -1,6 +1,8 @@
 #include "scene/obstacle_check.hpp"
 
 #include <algorithm>
+#include <limits>
+#include <numeric>
 
 #include "support/petsc_compatibility.hpp"
 #include "trefoil/input_error.hpp"
@@ -52,35 +54,79 @@ bool contains(const Mesh &mesh, const PetscInt *cell, const Vector3 &point) {
   return true;
 }
 
+/// A point of something that no cell of another may have in it.
+struct Place {
+  Vector3 point;
+  int body = -1;  ///< that it belongs to; -1: none
+};
+
+/// The place of one that lies in a cell of another body, the last of all ranks'; -1: there is none.
+/// Collective. @param places the same on all ranks
+PetscErrorCode find_within(const Mesh &mesh, const std::vector<Place> &places, int *within) {
+  std::vector<int> by_x(places.size());
+  const auto x_of = [&](int k) { return places[static_cast<std::size_t>(k)].point.x; };
+  PetscFunctionBeginUser;
+  *within = -1;
+  std::iota(by_x.begin(), by_x.end(), 0);
+  std::sort(by_x.begin(), by_x.end(), [&](int a, int b) { return x_of(a) < x_of(b); });
+  for (PetscInt c = 0; c < mesh.local_cells(); ++c) {
+    const PetscInt *const cell = &mesh.cells[static_cast<std::size_t>(c * mesh.nodes_per_cell())];
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    for (int a = 0; a <= mesh.dimension(); ++a) {
+      const double x = contact::point_of(mesh.coordinates, static_cast<int>(cell[a])).x;
+      low = std::min(low, x);
+      high = std::max(high, x);
+    }
+    const auto first = std::lower_bound(by_x.begin(), by_x.end(), low,
+                                        [&](int k, double limit) { return x_of(k) < limit; });
+    for (auto k = first; k != by_x.end() && x_of(*k) <= high; ++k) {
+      const Place &place = places[static_cast<std::size_t>(*k)];
+      const bool is_other = place.body != mesh.part[static_cast<std::size_t>(cell[0])];
+      if (is_other && contains(mesh, cell, place.point)) *within = std::max(*within, *k);
+    }
+  }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, within, 1, MPI_INT, MPI_MAX,
+                             PetscObjectComm(reinterpret_cast<PetscObject>(mesh.dm))));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 }  // namespace
 
 PetscErrorCode check_outside(const Mesh &mesh, const std::vector<ObstacleSurface> &surfaces) {
   const MPI_Comm comm = PetscObjectComm(reinterpret_cast<PetscObject>(mesh.dm));
-  const auto before = [](const Vector3 &a, const Vector3 &b) { return a.x < b.x; };
   PetscFunctionBeginUser;
   for (const ObstacleSurface &surface : surfaces) {
-    std::vector<Vector3> points = surface.points;
-    PetscMPIInt within = 0;
-    std::sort(points.begin(), points.end(), before);
-    for (PetscInt c = 0; c < mesh.local_cells() && !within; ++c) {
-      const PetscInt *const cell = &mesh.cells[static_cast<std::size_t>(c * mesh.nodes_per_cell())];
-      Vector3 low = contact::point_of(mesh.coordinates, static_cast<int>(cell[0])), high = low;
-      for (int a = 1; a <= mesh.dimension(); ++a) {
-        const Vector3 corner = contact::point_of(mesh.coordinates, static_cast<int>(cell[a]));
-        low.x = std::min(low.x, corner.x);
-        high.x = std::max(high.x, corner.x);
-      }
-      within = std::any_of(std::lower_bound(points.begin(), points.end(), low, before),
-                           std::upper_bound(points.begin(), points.end(), high, before),
-                           [&](const Vector3 &point) { return contains(mesh, cell, point); });
-    }
-    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &within, 1, MPI_INT, MPI_MAX, comm));
+    std::vector<Place> places;
+    int within = -1;
+    for (const Vector3 &point : surface.points) places.push_back({point});
+    PetscCall(find_within(mesh, places, &within));
     PetscCheck(
-        !within, comm, PETSC_ERR_USER_INPUT,
+        within < 0, comm, PETSC_ERR_USER_INPUT,
         "obstacle '%s' lies within a body at rest; contact needs a start where all are apart",
         surface.name.c_str());
   }
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode check_bodies_apart(const Mesh &mesh, const ContactSurface &surface) {
+  const MPI_Comm comm = PetscObjectComm(reinterpret_cast<PetscObject>(mesh.dm));
+  std::vector<Place> places;
+  std::vector<char> has_place(static_cast<std::size_t>(mesh.parts), 0);
+  int within = -1;
+  PetscFunctionBeginUser;
+  if (mesh.parts < 2) PetscFunctionReturn(PETSC_SUCCESS);
+  // Surfaces do not cross: of a body that is in another one every vertex is.
+  for (const contact::SurfaceVertex &vertex : surface.surface().vertices) {
+    if (vertex.body >= mesh.parts || has_place[static_cast<std::size_t>(vertex.body)]++) continue;
+    places.push_back({vertex.rest, vertex.body});
+  }
+  PetscCall(find_within(mesh, places, &within));
+  if (within < 0) PetscFunctionReturn(PETSC_SUCCESS);
+  const Place &inner = places[static_cast<std::size_t>(within)];
+  SETERRQ(comm, PETSC_ERR_USER_INPUT,
+          "a body lies within another one at rest, where it has a vertex at (%g, %g, %g); contact "
+          "needs a start where all are apart",
+          inner.point.x, inner.point.y, inner.point.z);
 }
 
 }  // namespace trefoil

@@ -20,4 +20,7 @@ void check_facets(const SurfaceMesh &surface, const std::string &file, bool is_p
 /// @param surfaces the same on all ranks
 PetscErrorCode check_outside(const Mesh &mesh, const std::vector<ObstacleSurface> &surfaces);
 
+/// Nor may a body lie within another one: likewise. Collective.
+PetscErrorCode check_bodies_apart(const Mesh &mesh, const ContactSurface &surface);
+
 }  // namespace trefoil

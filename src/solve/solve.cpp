@@ -235,6 +235,7 @@ PetscErrorCode Walk::go() {
       PetscCall(reject(time, attempt, &goes_on));
     } else {
       record(attempt, false);
+      if (attempt.record.empty()) outcome_->failure = attempt.reason;
       goes_on = false;
     }
   }

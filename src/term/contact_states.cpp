@@ -38,16 +38,17 @@ std::string ContactTerm::name_of(const ContactPair &pair) const {
          name_of(contact::second_of(surface(), pair).body, whole.subspan(first));
 }
 
-/// Makes the least of all ranks' values everybody's, and what is said of it.
-PetscErrorCode ContactTerm::share_first(double *value, std::string *what) const {
+/// Makes the least of all ranks' values everybody's, and what is said of it. Of equal values that
+/// counts which comes first in `place`, the same on any number of ranks.
+PetscErrorCode ContactTerm::share_first(double *value, int place, std::string *what) const {
   struct {
-    double value;
-    int rank;
-  } least{*value, surface_->rank()};
+    int place, rank;
+  } least{std::numeric_limits<int>::max(), surface_->rank()};
+  const double mine = *value;
   PetscFunctionBeginUser;
-  PetscCallMPI(
-      MPI_Allreduce(MPI_IN_PLACE, &least, 1, MPI_DOUBLE_INT, MPI_MINLOC, surface_->comm()));
-  *value = least.value;
+  PetscCallMPI(MPI_Allreduce(&mine, value, 1, MPI_DOUBLE, MPI_MIN, surface_->comm()));
+  if (mine == *value && !what->empty()) least.place = place;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &least, 1, MPI_2INT, MPI_MINLOC, surface_->comm()));
   int length = static_cast<int>(what->size());
   PetscCallMPI(MPI_Bcast(&length, 1, MPI_INT, least.rank, surface_->comm()));
   what->resize(static_cast<std::size_t>(length));
@@ -59,6 +60,7 @@ PetscErrorCode ContactTerm::find_allowed_motion(const double *from, double time_
                                                 const double *to, double time_to,
                                                 AllowedMotion *motion) const {
   Positions x, step;
+  int first = 0;  // vertex of what ends it
   PetscFunctionBeginUser;
   PetscCall(positions_at(from, time_from, &x));
   PetscCall(positions_at(to, time_to, &step));
@@ -72,7 +74,9 @@ PetscErrorCode ContactTerm::find_allowed_motion(const double *from, double time_
         contact::allowed_step(surface(), swept.pairs, x, step, parameters_.limits, swept.share);
     motion->share = std::min(swept.share, allowed.step);
     if (allowed.pair >= 0) {
-      motion->what = name_of(swept.pairs[static_cast<std::size_t>(allowed.pair)]);
+      const ContactPair &pair = swept.pairs[static_cast<std::size_t>(allowed.pair)];
+      motion->what = name_of(pair);
+      first = contact::vertices_of(surface(), pair)[0];
     }
   }
   for (std::size_t k = 0; k < planes_.size(); ++k) {
@@ -84,15 +88,17 @@ PetscErrorCode ContactTerm::find_allowed_motion(const double *from, double time_
     const int vertex = surface_->own_vertices()[static_cast<std::size_t>(allowed.pair)];
     motion->what =
         name_of(0, std::span<const int>(&vertex, 1)) + " and obstacle '" + planes_[k].name + "'";
+    first = vertex;
   }
-  PetscCall(share_first(&motion->share, &motion->what));
+  PetscCall(share_first(&motion->share, first, &motion->what));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode ContactTerm::find_intersections(const double *u, PetscInt64 *count,
                                                std::string *first) const {
   Positions x;
-  double order = 1;
+  double order = 2;  // intersections first, then vertices
+  int which = 0;
   PetscFunctionBeginUser;
   PetscCall(positions(u, &x));
   contact::PairSearch wanted = search(0);
@@ -112,7 +118,8 @@ PetscErrorCode ContactTerm::find_intersections(const double *u, PetscInt64 *coun
          << (meeting == contact::Meeting::touching ? " touch" : "") << " near (" << place.x << ", "
          << place.y << ", " << place.z << ")";
     *first = text.str();
-    order = -1. / (1 + edge);  // the first one of all ranks
+    order = 0;
+    which = edge;
   }
   // Vertices beyond a half-space.
   for (std::size_t k = 0; k < planes_.size(); ++k) {
@@ -123,17 +130,19 @@ PetscErrorCode ContactTerm::find_intersections(const double *u, PetscInt64 *coun
       if (!first->empty()) continue;
       *first = name_of(0, std::span<const int>(&vertex, 1)) + " lies in obstacle '" +
                planes_[k].name + "'";
-      order = 0;
+      order = 1;
+      which = vertex;
     }
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, count, 1, MPIU_INT64, MPI_SUM, surface_->comm()));
-  PetscCall(share_first(&order, first));
+  PetscCall(share_first(&order, which, first));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode ContactTerm::find_gap(const double *u, double reach, double *gap,
                                      std::string *pair) const {
   Positions x;
+  int first = 0;  // vertex of the nearest
   PetscFunctionBeginUser;
   PetscCall(positions(u, &x));
   *gap = std::numeric_limits<double>::infinity();
@@ -142,7 +151,11 @@ PetscErrorCode ContactTerm::find_gap(const double *u, double reach, double *gap,
     const auto pairs = contact::find_candidates(surface(), x, search(reach));
     const contact::LeastGap least = contact::least_gap(surface(), pairs, x);
     *gap = least.gap;
-    if (least.pair >= 0) *pair = name_of(pairs[static_cast<std::size_t>(least.pair)]);
+    if (least.pair >= 0) {
+      const ContactPair &nearest = pairs[static_cast<std::size_t>(least.pair)];
+      *pair = name_of(nearest);
+      first = contact::vertices_of(surface(), nearest)[0];
+    }
   }
   for (std::size_t k = 0; k < planes_.size(); ++k) {
     const contact::LeastGap least =
@@ -152,8 +165,9 @@ PetscErrorCode ContactTerm::find_gap(const double *u, double reach, double *gap,
     const int vertex = surface_->own_vertices()[static_cast<std::size_t>(least.pair)];
     *pair =
         name_of(0, std::span<const int>(&vertex, 1)) + " and obstacle '" + planes_[k].name + "'";
+    first = vertex;
   }
-  PetscCall(share_first(gap, pair));
+  PetscCall(share_first(gap, first, pair));
   if (*gap > reach) *gap = std::numeric_limits<double>::infinity();
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -134,7 +134,7 @@ class ContactTerm final : public Term {
   [[nodiscard]] std::string name_of(int body, std::span<const int> vertices) const;
   [[nodiscard]] std::vector<VertexPair> vertex_pairs(
       std::span<const contact::ContactPair> pairs) const;
-  PetscErrorCode share_first(double *value, std::string *what) const;
+  PetscErrorCode share_first(double *value, int place, std::string *what) const;
 
   std::unique_ptr<ContactSurface> surface_;
   ContactParameters parameters_;

@@ -99,7 +99,7 @@ class ContactTest(unittest.TestCase):
         return records
 
     def refused(self, options, *words):
-        for ranks in (1, 2):
+        for ranks in (1, 3):
             result = run(options, ranks, self.folder)
             self.assertEqual(result.returncode, 1, result.stdout)
             self.assertEqual(result.stdout.count("trefoil: "), 1, result.stdout)
@@ -286,6 +286,13 @@ class Refused(ContactTest):
         self.refused([*BOX, *TOP, *self.obstacle(points, facets)],
                      "obstacle 'thing' lies within a body at rest")
 
+    def test_a_body_within_another(self):
+        boxes = ["-bodies", "low,high", "-body_low_generate", "box", "-body_high_generate", "box",
+                 "-body_high_scale", "0.3", "-contact_self", "-material_density", "1",
+                 "-time_end", "1", "-time_step", "1", "-body_high_translate"]
+        self.refused([*boxes, "0.32, 0.33, 0.34"], "a body lies within another one at rest")
+        self.assertEqual(run([*boxes, "1.1, 0, 0", "-check"], 2).returncode, 0)
+
     def test_a_triangle_without_area(self):
         points = [(0, 0, -1), (2, 0, -1), (0, 2, -1), (1, 0, -1)]
         self.refused([*BOX, *TOP, *self.obstacle(points, [(1, 2, 3), (1, 2, 4)])],
@@ -299,6 +306,27 @@ class Refused(ContactTest):
             self.assertEqual(result.returncode, 3, result.stdout)
             self.assertIn("what is prescribed cannot move so far: vertex (1) and obstacle 'floor' "
                           "would meet", result.stdout)
+
+    def test_an_obstacle_that_moves_into_what_is_held(self):
+        """One sentence on any ranks, and the same status, whether or not anything was solved."""
+        options = [*BOX, "-constraints", "low", "-constraint_low_where", "z == zmin",
+                   "-obstacles", "floor", "-obstacle_floor_plane", "0, 0, 1",
+                   "-obstacle_floor_at", "0, 0, -0.1", "-obstacle_floor_move"]
+        in_time = ["-material_density", "1e3", "-time_end", "1", "-time_step", "0.1",
+                   "-time_step_min", "0.02"]
+        meets = "cannot move so far: vertex (1) and obstacle 'floor' would meet"
+        for move, more, status in (("0, 0, 0.5*t", [], 3), ("0, 0, 0.5*t", in_time, 3),
+                                   ("0, 0, 0.5*t", ["-load_steps", "1"], 1),
+                                   ("0, 0, 0.5*t", ["-load_steps", "4"], 1),
+                                   ("0, 0, 500*t", in_time, 1)):
+            said = set()
+            for ranks in (1, 2, 3):
+                result = run([*options, move, *more], ranks, self.folder)
+                self.assertEqual(result.returncode, status, result.stdout)
+                said.update(line for line in result.stdout.splitlines()
+                            if line.startswith(("NOT CONVERGED", "trefoil: ")) and meets in line)
+            self.assertEqual(len(said), 1, (more, said))
+            self.assertEqual("nothing was solved" in said.pop(), status == 1, more)
 
     def test_options(self):
         self.refused([*PRESSED, "-order", "2"], "linear elements")
