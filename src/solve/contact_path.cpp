@@ -9,7 +9,9 @@
 namespace trefoil {
 
 ContactPath::~ContactPath() {
-  static_cast<void>(VecDestroy(&unknowns_));  // an error has nowhere to go from here
+  for (Place *place : {&stand_, &part_}) {
+    static_cast<void>(VecDestroy(&place->unknowns));  // an error has nowhere to go from here
+  }
 }
 
 bool ContactPath::exists() const {
@@ -20,24 +22,35 @@ PetscErrorCode ContactPath::begin() {
   PetscInt64 count = 0;
   std::string first;
   PetscFunctionBeginUser;
-  time_ = 0;
-  stand_.assign(scene_.mesh.coordinates.size(), 0);
-  PetscCall(VecDuplicate(scene_.displacement, &unknowns_));
-  PetscCall(VecSet(unknowns_, 0));
+  stand_.time = 0;
+  stand_.u.assign(scene_.mesh.coordinates.size(), 0);
+  PetscCall(VecDuplicate(scene_.displacement, &stand_.unknowns));
+  PetscCall(VecSet(stand_.unknowns, 0));
   PetscCall(scene_.contact->set_time(0));
   if (scene_.motion) {
-    PetscCall(scene_.discretization.copy_local(scene_.displacement, &stand_));
-    PetscCall(VecCopy(scene_.displacement, unknowns_));
-    PetscCall(scene_.contact->find_intersections(stand_.data(), &count, &first));
+    PetscCall(scene_.discretization.copy_local(scene_.displacement, &stand_.u));
+    PetscCall(VecCopy(scene_.displacement, stand_.unknowns));
+    PetscCall(scene_.contact->find_intersections(stand_.u.data(), &count, &first));
     PetscCheck(count == 0, PetscObjectComm(reinterpret_cast<PetscObject>(scene_.mesh.dm)),
                PETSC_ERR_USER_INPUT,
                "the state at t = 0 intersects itself or an obstacle, first %s; contact needs a "
                "start where all are apart",
                first.c_str());
   }
-  PetscCall(scene_.contact->accept_step(stand_.data()));
+  PetscCall(scene_.contact->accept_step(stand_.u.data()));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+namespace {
+
+std::string sentence_of(const AllowedMotion &motion, double time) {
+  std::ostringstream text;
+  text << "what is prescribed cannot move so far: " << motion.what << " would meet after "
+       << motion.share << " of the way from t = " << time;
+  return text.str();
+}
+
+}  // namespace
 
 PetscErrorCode ContactPath::move_to(double time, std::string *blocked) {
   std::vector<double> u;
@@ -48,46 +61,117 @@ PetscErrorCode ContactPath::move_to(double time, std::string *blocked) {
   lagged_.clear();
   PetscCall(scene_.contact->set_time(time));
   PetscCall(scene_.discretization.copy_local(scene_.displacement, &u));
-  PetscCall(scene_.contact->find_allowed_motion(stand_.data(), time_, u.data(), time, &motion));
+  PetscCall(
+      scene_.contact->find_allowed_motion(stand_.u.data(), stand_.time, u.data(), time, &motion));
   if (motion.share >= 1) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(VecCopy(unknowns_, scene_.displacement));
-  PetscCall(scene_.discretization.copy_local(scene_.displacement, &u));
-  PetscCall(scene_.contact->find_allowed_motion(stand_.data(), time_, u.data(), time, &motion));
-  if (motion.share >= 1) PetscFunctionReturn(PETSC_SUCCESS);
-  if (motion.share > 0) {
-    AllowedMotion pushed;
-    PetscCall(predict(u, time, 1e-3 * motion.share));
-    PetscCall(scene_.discretization.copy_local(scene_.displacement, &u));
-    PetscCall(scene_.contact->find_allowed_motion(stand_.data(), time_, u.data(), time, &pushed));
-    if (pushed.share >= 1) PetscFunctionReturn(PETSC_SUCCESS);
-    if (pushed.share > motion.share) motion = pushed;
-  }
-  std::ostringstream text;
-  text << "what is prescribed cannot move so far: " << motion.what << " would meet after "
-       << motion.share << " of the way from t = " << time_;
-  *blocked = text.str();
+  PetscCall(find_way(stand_, time, &motion));
+  if (motion.share < 1) *blocked = sentence_of(motion, stand_.time);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// Goes to a point of the straight way from the last equilibrium, with all that is prescribed.
-PetscErrorCode ContactPath::hold_between(const std::vector<double> &target, double time,
-                                         double at) {
+/// How far one can go from a place to the prescribed values of a time, with the unknowns where they
+/// are there or, if that leads farther, where they are pushed. Leaves them at the end of that way.
+PetscErrorCode ContactPath::find_way(const Place &from, double time, AllowedMotion *motion) {
+  AllowedMotion pushed;
+  std::vector<double> u;
+  const auto look = [&](AllowedMotion *allowed) {
+    PetscFunctionBeginUser;
+    PetscCall(scene_.discretization.copy_local(scene_.displacement, &u));
+    PetscCall(
+        scene_.contact->find_allowed_motion(from.u.data(), from.time, u.data(), time, allowed));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  };
+  PetscFunctionBeginUser;
+  PetscCall(VecCopy(from.unknowns, scene_.displacement));
+  PetscCall(look(motion));
+  if (motion->share >= 1 || motion->share <= 0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(predict(from, u, time, 1e-3 * motion->share));
+  PetscCall(look(&pushed));
+  if (pushed.share > motion->share) {
+    *motion = pushed;
+  } else {
+    PetscCall(VecCopy(from.unknowns, scene_.displacement));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode ContactPath::begin_step(double time) {
+  PetscFunctionBeginUser;
+  solves_ = 1;
+  lagged_.clear();
+  parts_ = 0;
+  end_.time = time;
+  PetscCall(scene_.discretization.copy_local(scene_.displacement, &end_.u));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode ContactPath::move_on(bool *arrived, std::string *blocked) {
+  constexpr int most_parts = 50;
+  const Place &from = parts_ == 0 ? stand_ : part_;
+  AllowedMotion motion;
+  bool moved = false;
+  PetscFunctionBeginUser;
+  blocked->clear();
+  if (parts_ > 0) {
+    PetscCall(scene_.discretization.copy_local(scene_.displacement, &part_.u));
+    PetscCall(VecCopy(scene_.displacement, part_.unknowns));
+    PetscCall(hold_between(part_, end_.u, end_.time, 1));
+  }
+  PetscCall(find_way(from, end_.time, &motion));
+  *arrived = motion.share >= 1;
+  if (*arrived) PetscFunctionReturn(PETSC_SUCCESS);
+  if (parts_ < most_parts) PetscCall(go_part(motion.share, &moved));
+  if (!moved) *blocked = sentence_of(motion, from.time);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Goes a share of the way, or less: obstacles may not go straight.
+PetscErrorCode ContactPath::go_part(double share, bool *moved) {
+  constexpr int most_tries = 4;
+  const Place from = parts_ == 0 ? stand_ : part_;
+  Vec change = nullptr;
+  std::vector<double> u;
+  PetscFunctionBeginUser;
+  if (!part_.unknowns) PetscCall(VecDuplicate(stand_.unknowns, &part_.unknowns));
+  PetscCall(VecDuplicate(stand_.unknowns, &change));
+  PetscCall(VecWAXPY(change, -1, from.unknowns, scene_.displacement));
+  *moved = false;
+  for (int k = 0; k < most_tries && share > 0 && !*moved; ++k, share /= 2) {
+    AllowedMotion motion;
+    const double time = from.time + share * (end_.time - from.time);
+    PetscCall(hold_between(from, end_.u, end_.time, share));
+    PetscCall(VecWAXPY(scene_.displacement, share, change, from.unknowns));
+    PetscCall(scene_.discretization.copy_local(scene_.displacement, &u));
+    PetscCall(
+        scene_.contact->find_allowed_motion(from.u.data(), from.time, u.data(), time, &motion));
+    *moved = motion.share >= 1;
+    part_.time = time;
+  }
+  PetscCall(VecDestroy(&change));
+  ++parts_;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Goes to a point of the straight way from a place, with all that is prescribed.
+PetscErrorCode ContactPath::hold_between(const Place &from, const std::vector<double> &target,
+                                         double time, double at) {
   const std::vector<PetscInt> &dofs = scene_.discretization.global_dofs();
   HeldDofs held = nothing_held(scene_.mesh);
   PetscFunctionBeginUser;
   for (std::size_t k = 0; k < dofs.size(); ++k) {
     if (dofs[k] >= 0) continue;
     held.held[k] = 1;
-    held.value[k] = at < 1 ? (1 - at) * stand_[k] + at * target[k] : target[k];
+    held.value[k] = at < 1 ? (1 - at) * from.u[k] + at * target[k] : target[k];
   }
   PetscCall(scene_.discretization.set_prescribed(held));
-  PetscCall(scene_.functional->set_time(at < 1 ? time_ + at * (time - time_) : time));
+  PetscCall(scene_.functional->set_time(at < 1 ? from.time + at * (time - from.time) : time));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /// Where what is prescribed pushes through contact, unknowns give way: x += -H^-1 dg/dt, of the
 /// clamped H without friction at the last equilibrium. A guess only: the way there is checked.
-PetscErrorCode ContactPath::predict(const std::vector<double> &target, double time, double share) {
+PetscErrorCode ContactPath::predict(const Place &from, const std::vector<double> &target,
+                                    double time, double share) {
   const HessianFilter clamp{.weight = 0.5, .floor = {}};
   const Mat H = scene_.hessian;
   Mat negative = nullptr;
@@ -96,26 +180,26 @@ PetscErrorCode ContactPath::predict(const std::vector<double> &target, double ti
   KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
   TrefoilSplitStatistics ignored{};
   PetscFunctionBeginUser;
-  PetscCall(VecDuplicate(unknowns_, &change));
-  PetscCall(VecDuplicate(unknowns_, &push));
+  PetscCall(VecDuplicate(from.unknowns, &change));
+  PetscCall(VecDuplicate(from.unknowns, &push));
   scene_.contact->ignore_friction(true);
   // The gradient's change along the way, by a difference over a small share of it.
-  PetscCall(hold_between(target, time, share));
-  PetscCall(scene_.functional->gradient(unknowns_, change));
-  PetscCall(hold_between(target, time, 0));
-  PetscCall(scene_.functional->gradient(unknowns_, push));
+  PetscCall(hold_between(from, target, time, share));
+  PetscCall(scene_.functional->gradient(from.unknowns, change));
+  PetscCall(hold_between(from, target, time, 0));
+  PetscCall(scene_.functional->gradient(from.unknowns, push));
   PetscCall(VecAXPY(change, -1, push));
   PetscCall(VecScale(change, 1 / share));
-  PetscCall(scene_.functional->hessian(unknowns_, H, &negative, &ignored, clamp));
+  PetscCall(scene_.functional->hessian(from.unknowns, H, &negative, &ignored, clamp));
   if (negative) PetscCall(MatAXPY(H, 1, negative, SAME_NONZERO_PATTERN));
-  PetscCall(hold_between(target, time, 1));
+  PetscCall(hold_between(from, target, time, 1));
   scene_.contact->ignore_friction(false);
   PetscCall(KSPCreate(PetscObjectComm(reinterpret_cast<PetscObject>(H)), &ksp));
   PetscCall(KSPSetOperators(ksp, H, H));
   PetscCall(set_guess_solver(ksp, scene_.linear_solver.kind != SolverKind::direct));
   PetscCall(KSPSolve(ksp, change, push));
   PetscCall(KSPGetConvergedReason(ksp, &reason));
-  if (reason > 0) PetscCall(VecWAXPY(scene_.displacement, -1, push, unknowns_));
+  if (reason > 0) PetscCall(VecWAXPY(scene_.displacement, -1, push, from.unknowns));
   PetscCall(KSPDestroy(&ksp));
   PetscCall(MatDestroy(&negative));
   PetscCall(VecDestroy(&push));
@@ -149,19 +233,19 @@ PetscErrorCode ContactPath::accept(double time, std::string *broken) {
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   broken->clear();
-  time_ = time;
-  stand_.swap(u);
+  stand_.time = time;
+  stand_.u.swap(u);
   lagged_.clear();
-  PetscCall(VecCopy(scene_.displacement, unknowns_));
+  PetscCall(VecCopy(scene_.displacement, stand_.unknowns));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 void ContactPath::save(SavedRun *run) const {
-  run->numbers["contact"] = {{"time", time_},
+  run->numbers["contact"] = {{"time", stand_.time},
                              {"stiffening", scene_.contact->stiffening_of_step()},
                              {"solves", solves_},
                              {"lags", !lagged_.empty()}};
-  run->fields["contact_stand"] = stand_;
+  run->fields["contact_stand"] = stand_.u;
   if (!lagged_.empty()) run->fields["contact_lag"] = lagged_;
 }
 
@@ -169,13 +253,13 @@ PetscErrorCode ContactPath::go_on(const Checkpoint &checkpoint) {
   double stiffening = 1;
   PetscFunctionBeginUser;
   PetscCall(checkpoint.take([&](const Checkpoint::Json &numbers) {
-    time_ = numbers.at("contact").at("time");
+    stand_.time = numbers.at("contact").at("time");
     stiffening = numbers.at("contact").at("stiffening");
   }));
-  PetscCall(checkpoint.fetch("contact_stand", &stand_));
-  PetscCall(VecDuplicate(scene_.displacement, &unknowns_));
-  PetscCall(set_unknowns(stand_, scene_.discretization, unknowns_));
-  PetscCall(scene_.contact->go_on(stand_.data(), time_, stiffening));
+  PetscCall(checkpoint.fetch("contact_stand", &stand_.u));
+  PetscCall(VecDuplicate(scene_.displacement, &stand_.unknowns));
+  PetscCall(set_unknowns(stand_.u, scene_.discretization, stand_.unknowns));
+  PetscCall(scene_.contact->go_on(stand_.u.data(), stand_.time, stiffening));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -29,6 +29,17 @@ class ContactPath {
   /// they are pushed, go where the linearised energy sends them.
   /// @param blocked one sentence where the way is not free, or nothing
   PetscErrorCode move_to(double time, std::string *blocked);
+
+  /// Begins a step in time from the last equilibrium, which the scene's displacement is, to the
+  /// prescribed values that the scene has now, of this time. Collective.
+  PetscErrorCode begin_step(double time);
+  /// Goes on to the end of the step. Where the way is not free all that is prescribed, and the
+  /// unknowns that it pushes, go the part of it that is: a solve there has to make room before the
+  /// next call. Collective.
+  /// @param arrived whether it is at the end
+  /// @param blocked one sentence where it comes no farther, or nothing
+  PetscErrorCode move_on(bool *arrived, std::string *blocked);
+
   /// After a solve: whether friction asks for another one, with its forces of this state.
   /// @param iterations that the solve took
   PetscErrorCode repeats(PetscInt iterations, bool *again);
@@ -44,13 +55,25 @@ class ContactPath {
   PetscErrorCode go_on_in_step(const Checkpoint &checkpoint, double time);
 
  private:
-  PetscErrorCode predict(const std::vector<double> &target, double time, double share);
-  PetscErrorCode hold_between(const std::vector<double> &target, double time, double at);
+  /// A state with all that is prescribed.
+  struct Place {
+    double time = 0;
+    std::vector<double> u;   ///< local displacements, held ones too
+    Vec unknowns = nullptr;  ///< the same as unknowns
+  };
+
+  PetscErrorCode find_way(const Place &from, double time, AllowedMotion *motion);
+  PetscErrorCode predict(const Place &from, const std::vector<double> &target, double time,
+                         double share);
+  PetscErrorCode hold_between(const Place &from, const std::vector<double> &target, double time,
+                              double at);
+  PetscErrorCode go_part(double share, bool *moved);
 
   Scene &scene_;
-  double time_ = 0;
-  std::vector<double> stand_;   ///< local displacements of the last equilibrium, held ones too
-  Vec unknowns_ = nullptr;      ///< the same as unknowns
+  Place stand_;                 ///< the last equilibrium
+  Place part_;                  ///< of a step in time: where the way has led so far
+  Place end_;                   ///< and where what is prescribed is to go, without unknowns
+  int parts_ = 0;               ///< that the way has taken
   int solves_ = 0;              ///< in this step
   std::vector<double> lagged_;  ///< from where friction has its forces; empty: from stand_
 };

@@ -48,8 +48,9 @@ class TimeWalk {
   PetscErrorCode save(SavedRun *run) const;
   PetscErrorCode go_on();
   PetscErrorCode say_tolerance() const;
-  PetscErrorCode set_tolerance(double length);
   PetscErrorCode say_step() const;
+  PetscErrorCode solve_here(Attempt *attempt);
+  PetscErrorCode move_prescribed(Attempt *attempt, bool *arrived);
   PetscErrorCode take_step(Attempt *attempt);
   PetscErrorCode reject(const Attempt &attempt, bool *goes_on);
 
@@ -64,8 +65,9 @@ class TimeWalk {
   SceneSolver solver_;
   ContactPath contact_;
   RunRecord record_{"time_step"};
-  Checkpoint::Json search_;      ///< what the search knew when the last state came to stand
-  double tolerated_length_ = 0;  ///< of the step that the solver's tolerance is for
+  Checkpoint::Json search_;  ///< what the search knew when the last state came to stand
+  std::vector<std::string> records_of_step_;  ///< of the step under way, a solve each
+  PetscInt iterations_of_step_ = 0;
 };
 
 PetscErrorCode TimeWalk::start() {
@@ -161,16 +163,6 @@ PetscErrorCode TimeWalk::go_on() {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// The velocity tolerance is one on directions, for a step of this length.
-PetscErrorCode TimeWalk::set_tolerance(double length) {
-  PetscFunctionBeginUser;
-  if (length == tolerated_length_) PetscFunctionReturn(PETSC_SUCCESS);
-  if (tolerated_length_ == 0) PetscCall(say_tolerance());
-  tolerated_length_ = length;
-  PetscCall(solver_.set_direction_tolerance(tolerated_velocity_ * length));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode TimeWalk::say_step() const {
   std::ostringstream text;
   PetscFunctionBeginUser;
@@ -180,28 +172,55 @@ PetscErrorCode TimeWalk::say_step() const {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode TimeWalk::take_step(Attempt *attempt) {
+/// One of the solves of a step.
+PetscErrorCode TimeWalk::solve_here(Attempt *attempt) {
   EnergySums sums;
   PetscFunctionBeginUser;
-  PetscCall(set_tolerance(steps_.length()));
-  PetscCall(say_step());
-  PetscCall(scene_.motion->begin_step(steps_.length(), steps_.next()));
-  if (contact_.exists()) {
-    PetscCall(contact_.move_to(steps_.next(), &attempt->reason));
-    if (!attempt->reason.empty()) PetscFunctionReturn(PETSC_SUCCESS);
-  }
   PetscCall(scene_.functional->energy(scene_.displacement, &sums));
+  attempt->converged = false;
   if (!std::isfinite(sums.energy)) {
     attempt->reason = "what is held moves so far that its start has infinite energy";
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(solver_.solve(attempt));
-  while (contact_.exists() && attempt->converged) {
-    bool again = false;
-    PetscCall(contact_.repeats(attempt->iterations, &again));
-    if (!again) break;
-    record_.add(attempt->record, steps_.accepted() + 1, false);
-    PetscCall(solver_.solve(attempt));
+  records_of_step_.push_back(attempt->record);
+  iterations_of_step_ += attempt->iterations;
+  outcome_->linear_solver = attempt->linear_solver;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Moves what is prescribed to the end of the step. Where bodies are in the way it goes as far as
+/// it can, they make room, and it goes on; these solves are loose.
+PetscErrorCode TimeWalk::move_prescribed(Attempt *attempt, bool *arrived) {
+  constexpr double loose_share = 0.1;
+  const double loose = loose_share * scene_.contact->parameters().distance;
+  PetscFunctionBeginUser;
+  PetscCall(solver_.set_direction_tolerance(loose));
+  PetscCall(contact_.begin_step(steps_.next()));
+  PetscCall(contact_.move_on(arrived, &attempt->reason));
+  while (!*arrived && attempt->reason.empty()) {
+    PetscCall(solve_here(attempt));
+    if (!attempt->converged) break;
+    PetscCall(contact_.move_on(arrived, &attempt->reason));
+  }
+  attempt->converged = false;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode TimeWalk::take_step(Attempt *attempt) {
+  bool arrived = true, again = true;
+  PetscFunctionBeginUser;
+  records_of_step_.clear();
+  iterations_of_step_ = 0;
+  PetscCall(say_step());
+  PetscCall(scene_.motion->begin_step(steps_.length(), steps_.next()));
+  if (contact_.exists()) PetscCall(move_prescribed(attempt, &arrived));
+  if (!arrived) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(solver_.set_direction_tolerance(tolerated_velocity_ * steps_.length()));
+  while (again) {
+    PetscCall(solve_here(attempt));
+    again = contact_.exists() && attempt->converged;
+    if (again) PetscCall(contact_.repeats(attempt->iterations, &again));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -230,11 +249,13 @@ PetscErrorCode TimeWalk::go() {
   checkpoint_.save_way([this](SavedRun *run) { return save(run); });
   PetscCall(checkpoint_.start() ? go_on() : start());
   PetscCall(solver_.watch(checkpoint_, false));
+  if (!steps_.is_done()) PetscCall(say_tolerance());
   while (!steps_.is_done() && goes_on) {
     Attempt attempt;
     PetscCall(take_step(&attempt));
-    if (!attempt.record.empty()) outcome_->linear_solver = attempt.linear_solver;
-    record_.add(attempt.record, steps_.accepted() + 1, !attempt.converged);
+    for (const std::string &record : records_of_step_) {
+      record_.add(record, steps_.accepted() + 1, !attempt.converged);
+    }
     if (!attempt.converged) {
       PetscCall(reject(attempt, &goes_on));
       continue;
@@ -246,7 +267,7 @@ PetscErrorCode TimeWalk::go() {
     PetscCall(scene_.motion->accept(steps_.next()));
     steps_.accept();
     PetscCall(solver_.describe_search(&search_));
-    PetscCall(observe_(steps_.time(), attempt.iterations, false));
+    PetscCall(observe_(steps_.time(), iterations_of_step_, false));
     PetscCall(checkpoint_.pass(true));
   }
   PetscCall(checkpoint_.save());
