@@ -168,6 +168,8 @@ Json make_record(const RunReport &report) {
   result["warnings"] = report.warnings;
   result["energy_rest"] = report.energy_rest;
   result["energy_scale"] = report.energy_scale;
+  if (report.energy_rise) result["energy_rise"] = number(*report.energy_rise);
+  if (report.energy_is_made) result["energy_is_made"] = true;
   result["guess_linear_solves"] = report.guess_linear_solves;
   result["inverted"] = report.inverted;
   result["path_halvings"] = report.path_halvings;

@@ -51,6 +51,11 @@ std::string verdict(const Json &record) {
     text += "; WARNING: the path of its loads was halved down, " + counted(halvings, "time") +
             ": there may be other equilibria";
   }
+  if (result.value("energy_is_made", false)) {
+    text += text_of("; WARNING: the total energy has risen by %.0f %% of its scale from nothing: ",
+                    100 * number(result["energy_rise"])) +
+            "-time_integrator bdf2 and backward_euler damp, or a shorter -time_step is needed";
+  }
   const bool in_time = result.contains("kinetic_energy");  // each step is near its own minimum
   if (result["converged"].get<bool>() && result["minimum"].is_null() && !in_time) {
     text += "; unverified: whether this is a minimum is not known";

@@ -1,5 +1,6 @@
 #include "solve/report.hpp"
 
+#include "solve/energy_rise.hpp"
 #include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
@@ -50,7 +51,7 @@ PetscErrorCode warn_of_loose_rims(const Scene &scene, std::vector<std::string> *
 
 }  // namespace
 
-PetscErrorCode fill_report(const Scene &scene, const SolveOutcome &outcome, const StateReport &end,
+PetscErrorCode fill_report(Scene &scene, const SolveOutcome &outcome, const StateReport &end,
                            RunReport *report) {
   PetscFunctionBeginUser;
   PetscCall(describe_mesh(scene, &report->mesh));
@@ -71,6 +72,16 @@ PetscErrorCode fill_report(const Scene &scene, const SolveOutcome &outcome, cons
   report->regions = scene.regions;
   report->warnings = scene.warnings;
   PetscCall(warn_of_loose_rims(scene, &report->warnings));
+  if (scene.motion) {
+    report->energy_rise = find_energy_rise(report->states);
+    PetscCall(is_energy_made(scene, report->states, *report->energy_rise, &report->energy_is_made));
+  }
+  if (report->energy_is_made) {
+    report->warnings.push_back(
+        "the total energy has risen although nothing drives the scene, so the motion is wrong: "
+        "take "
+        "-time_integrator bdf2 or backward_euler, which damp, or a shorter -time_step");
+  }
   if (outcome.inverted > 0) {
     report->warnings.push_back(std::to_string(outcome.inverted) +
                                (outcome.inverted == 1 ? " element is" : " elements are") +
