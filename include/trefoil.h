@@ -127,7 +127,8 @@ PetscErrorCode TrefoilSNESSetEnergyChanges(SNES snes, TrefoilEnergyChangesFuncti
    A callback for the largest step along d from x that the host allows, where an energy is defined
    on a part of space only: with barriers against contact the step before the first collision.
    Collective; the same number on all ranks. Input: snes, x, d, and `first`, the step length that is
-   wanted. Output: *largest > 0; where it is not below `first` nothing is limited.
+   wanted. Output: *largest >= 0; where it is not below `first` nothing is limited, and where it is
+   0 the solve ends with SNES_DIVERGED_LINE_SEARCH.
 
    Backtracking and the descent from a saddle begin at min(first, *largest). A step that has been
    cut short is marked in the record ("truncated"), teaches the rule nothing, and is followed by no

@@ -140,8 +140,9 @@ PetscErrorCode Energy::limit_step(Vec x, Vec d, double *step, bool *truncated) {
   if (!max_step_callback) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(max_step_callback.function(snes_, x, d, *step, &largest, max_step_callback.context));
   PetscCheck(
-      largest > 0, PetscObjectComm(reinterpret_cast<PetscObject>(snes_)), PETSC_ERR_ARG_OUTOFRANGE,
-      "the largest step of TrefoilSNESSetMaxStep()'s callback is %g and must be positive", largest);
+      largest >= 0, PetscObjectComm(reinterpret_cast<PetscObject>(snes_)), PETSC_ERR_ARG_OUTOFRANGE,
+      "the largest step of TrefoilSNESSetMaxStep()'s callback is %g and must not be negative",
+      largest);
   *truncated = largest < *step;
   if (*truncated) *step = largest;
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -49,7 +49,8 @@ class Energy {
   /// f(x + sum_k c[p][k] d[k]) - f(x) at many points in one pass; needs the callback.
   PetscErrorCode changes(Vec x, PetscInt directions, const Vec d[], PetscInt points,
                          const double coefficients[], double changes[]);
-  /// Shortens `step` to the largest that the host allows along d from x; `truncated` where it did.
+  /// Shortens `step` to the largest that the host allows along d from x, which may be 0: none;
+  /// `truncated` where it did.
   PetscErrorCode limit_step(Vec x, Vec d, double *step, bool *truncated);
 
  private:

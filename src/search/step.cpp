@@ -14,6 +14,8 @@ PetscErrorCode backtrack(const SearchOptions &options, LineSearchState &state, d
   PetscFunctionBeginUser;
   *accepted = false;
   PetscCall(state.f.limit_step(state.x, state.d, &step, &state.truncated));
+  state.trials = 0;
+  if (step == 0) PetscFunctionReturn(PETSC_SUCCESS);
   for (state.trials = 1; state.trials <= most_trials; ++state.trials) {
     bool finite = false;
     PetscCall(evaluate_trial(state, step, &finite));

@@ -121,6 +121,8 @@ PetscErrorCode descend_from_saddle(double energy_scale, const NegativeCurvature 
   state.aim(found.direction, slope);
   double best = -noise, step = 1;
   PetscCall(state.f.limit_step(state.x, state.d, &step, &state.truncated));
+  *lower = false;
+  if (step == 0) PetscFunctionReturn(PETSC_SUCCESS);
   for (state.trials = 1; state.trials <= most_halvings; ++state.trials, step /= 2) {
     PetscCall(evaluate_trial(state, step, &finite));
     const bool better = finite && state.trial_change < best;

@@ -185,7 +185,9 @@ static PetscErrorCode search_and_step(Solver &solver, SNESLineSearch search,
   current.truncated = state.truncated;
   if (!accepted) {
     PetscCall(refuse_foreign_objective(state));
-    solver.record.reason = "no step along the direction decreases the energy";
+    solver.record.reason = state.truncated && state.trials == 0
+                               ? "no step along the direction is allowed"
+                               : "no step along the direction decreases the energy";
     PetscCall(stay(state));
     PetscCall(finish(solver, search, SNES_DIVERGED_LINE_SEARCH));
     PetscFunctionReturn(PETSC_SUCCESS);

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "scene/unknown_options.hpp"
 #include "solve/saved_numbers.hpp"
@@ -222,7 +223,28 @@ PetscErrorCode SceneSolver::solve(Attempt *attempt) {
   PetscCheck(json.is_object(), comm, PETSC_ERR_PLIB, "the solver left no record");
   attempt->iterations = json["result"]["iterations"];
   attempt->reason = json["result"]["reason"];
+  if (scene_.contact && !attempt->converged) PetscCall(explain_by_contact(attempt));
   PetscCall(scene_.functional->count_inverted(scene_.displacement, &attempt->inverted));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Where next to nothing is left between surfaces, that is why a solve failed.
+PetscErrorCode SceneSolver::explain_by_contact(Attempt *attempt) const {
+  constexpr double factor = 100;
+  const double next_to_nothing = factor * scene_.contact->parameters().limits.touching;
+  std::vector<double> u;
+  std::ostringstream text;
+  std::string pair;
+  double gap = 0;
+  PetscFunctionBeginUser;
+  PetscCall(scene_.discretization.copy_local(scene_.displacement, &u));
+  PetscCall(scene_.contact->find_gap(u.data(), next_to_nothing, &gap, &pair));
+  if (!(gap < next_to_nothing)) PetscFunctionReturn(PETSC_SUCCESS);
+  text << "contact is too weak for what presses: " << pair << " are only " << gap
+       << " apart; a larger -contact_stiffness or -contact_distance, or shorter steps, keep them "
+          "farther apart ("
+       << attempt->reason << ")";
+  attempt->reason = text.str();
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

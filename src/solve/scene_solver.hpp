@@ -56,6 +56,7 @@ class SceneSolver {
   PetscErrorCode solve(Attempt *attempt);
 
  private:
+  PetscErrorCode explain_by_contact(Attempt *attempt) const;
   static PetscErrorCode pass_iteration(SNES snes, PetscInt iteration, PetscReal norm, void *solver);
 
   Scene &scene_;

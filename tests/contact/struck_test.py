@@ -103,6 +103,24 @@ class Struck(scenes.ContactTest):
                      "-obstacle_cone_file", "cone.obj", "-obstacle_cone_move",
                      "0.05*sin(60*t), 0.05*(1 - cos(60*t)), 2*t"], 0.1)
 
+    def test_a_barrier_that_is_too_weak_fails_in_words_of_the_scene(self):
+        fall = ["-mesh_generate", "box", "-mesh_resolution", "2", *scenes.FLOOR,
+                "-obstacle_floor_at", "0, 0, -0.01", "-load_gravity", "0, 0, -9.81", *RUBBER,
+                "-time_end", "0.1", "-time_step_min", "0.01", "-output_file", "run.xdmf"]
+        for weak in (["-contact_stiffness", "1e-20"], ["-contact_distance", "1e-14"]):
+            for ranks in (1, 2):
+                result = scenes.run([*fall, *weak], ranks, self.folder)
+                self.assertEqual(result.returncode, 3, result.stdout)
+                for words in ("is halved: contact is too weak", "and obstacle 'floor' are only",
+                              "a larger -contact_stiffness or -contact_distance, or shorter steps"):
+                    self.assertIn(words, result.stdout)
+                self.assertNotIn("TrefoilSNES", result.stdout)
+                self.assertGreater(self.states("run.xdmf"), 1)
+        result = scenes.run([*scenes.PRESSED, "-contact_stiffness", "1e-20", "-load_steps", "2"],
+                            folder=self.folder)
+        self.assertEqual(result.returncode, 3, result.stdout)
+        self.assertIn("contact is too weak for what presses: ", result.stdout)
+
 
 if __name__ == "__main__":
     unittest.main()

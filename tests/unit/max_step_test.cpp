@@ -77,6 +77,7 @@ class Barrier {
   nlohmann::json record;
   int gradients_beyond = 0;  ///< asked for at a point beyond the barrier
   int asked = 0;             ///< for the largest step
+  int most_steps = 1000;     ///< of these; the next one is 0
 
  private:
   static constexpr double k = 0.1;
@@ -134,10 +135,11 @@ class Barrier {
                                      void *ctx) {
     std::vector<double> v, direction;
     PetscFunctionBeginUser;
-    ++static_cast<Barrier *>(ctx)->asked;
+    auto &host = *static_cast<Barrier *>(ctx);
+    ++host.asked;
     PetscCall(whole(x, &v));
     PetscCall(whole(d, &direction));
-    *largest = first;
+    *largest = host.asked > host.most_steps ? 0 : first;
     for (std::size_t i = 0; i < v.size(); ++i)
       if (direction[i] < 0) *largest = std::min(*largest, -0.9 * v[i] / direction[i]);
     PetscFunctionReturn(PETSC_SUCCESS);
@@ -169,6 +171,19 @@ TEST(MaxStepTest, KeepsTheSearchOnItsSideOfABarrier) {
         EXPECT_EQ(entry.at("corrections"), 0) << search;
       }
     }
+  }
+}
+
+TEST(MaxStepTest, WhereNoStepIsAllowedTheSolveEnds) {
+  for (const char *search : {"armijo", "subspace"}) {
+    Barrier host(7);
+    host.most_steps = 2;
+    host.option("snes_trefoil_search", search);
+    ASSERT_EQ(host.solve(true), PETSC_SUCCESS);
+    EXPECT_EQ(host.reason, SNES_DIVERGED_LINE_SEARCH) << search;
+    EXPECT_EQ(host.record.at("result").at("reason"), "no step along the direction is allowed");
+    EXPECT_EQ(host.record.at("history").size(), 3U);
+    for (const double x : host.solution) EXPECT_GT(x, 0);
   }
 }
 
