@@ -68,7 +68,8 @@ class Constraints {
 /// Refuses constraints that leave a rigid-body mode of the body, or of one of its connected parts,
 /// free: the Hessian would be singular. Collective.
 /// @param supports what else holds it, this rank's
+/// @param meets whether the scene has contact, which holds nothing before it touches
 PetscErrorCode check_rigid_body_modes(const Mesh &mesh, const HeldDofs &held,
-                                      const std::vector<Support> &supports = {});
+                                      const std::vector<Support> &supports, bool meets);
 
 }  // namespace trefoil

@@ -74,7 +74,7 @@ PetscErrorCode null_space_dimension(double *G, int *dimension) {
 }  // namespace
 
 PetscErrorCode check_rigid_body_modes(const Mesh &mesh, const HeldDofs &held,
-                                      const std::vector<Support> &supports) {
+                                      const std::vector<Support> &supports, bool meets) {
   const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(mesh.dm));
   const PetscInt parts = mesh.parts;
   double size = 0;
@@ -99,9 +99,12 @@ PetscErrorCode check_rigid_body_modes(const Mesh &mesh, const HeldDofs &held,
   PetscCheck(
       loose_parts == 0, comm, PETSC_ERR_USER_INPUT,
       "the constraints let %s move rigidly (%d of %d rigid-body modes free%s); hold at least "
-      "%s, in all components",
+      "%s, in all components%s",
       whose.c_str(), free_modes, mesh.dimension() == 2 ? 3 : 6, parts == 1 ? "" : " in the first",
-      mesh.dimension() == 2 ? "two vertices" : "three vertices that are not on one line");
+      mesh.dimension() == 2 ? "two vertices" : "three vertices that are not on one line",
+      meets ? "; what only contact is to hold needs a weak spring until it touches, "
+              "-load_NAME_spring, or masses and -time_end, -time_step"
+            : "");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -185,7 +185,7 @@ PetscErrorCode build_scene(MPI_Comm comm, const SceneOptions &options, Scene *sc
   if (!options.time.is_on) {
     std::vector<Support> supports = scene->loads.supports();
     add_supports(scene->mesh, held, &supports);
-    PetscCall(check_rigid_body_modes(scene->mesh, held, supports));
+    PetscCall(check_rigid_body_modes(scene->mesh, held, supports, options.contact.is_on));
   } else {
     scene->motion = std::make_unique<MovingBody>(*scene);
     PetscCall(scene->motion->set_up(region_of_cell));

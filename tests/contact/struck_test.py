@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """What is prescribed runs into bodies that are free to give way: steps in time keep their length,
-bodies are struck as fast as they must be, and nothing passes through anything."""
+bodies are struck as fast as they must be, and nothing passes through anything. What contact is too
+weak for, or holds only once it touches, is said in words that help."""
 import json
 import os
 import sys
@@ -120,6 +121,34 @@ class Struck(scenes.ContactTest):
                             folder=self.folder)
         self.assertEqual(result.returncode, 3, result.stdout)
         self.assertIn("contact is too weak for what presses: ", result.stdout)
+
+
+class HeldByContact(scenes.ContactTest):
+    """A block that a pressure presses onto a floor, guided at one edge only."""
+    PRESSED = ["-mesh_generate", "box", "-mesh_resolution", "2", "-material_young", "2.1e5",
+               "-material_poisson", "0.3", *scenes.FLOOR, "-obstacle_floor_at", "0, 0, -0.001",
+               "-obstacle_floor_friction", "0.3", "-constraints", "edge", "-constraint_edge_where",
+               "x == xmin && y == ymin", "-constraint_edge_move", "0, 0, free", "-load_steps", "3",
+               "-load_press_where", "z == zmax", "-load_press_pressure", "200*t"]
+
+    def test_what_the_message_advises_helps(self):
+        self.refused([*self.PRESSED, "-loads", "press"], "(2 of 6 rigid-body modes free)",
+                     "what only contact is to hold needs a weak spring", "-load_NAME_spring")
+        result = scenes.run([*self.PRESSED, "-loads", "press,weak", "-load_weak_where",
+                             "z == zmax", "-load_weak_spring", "1", "-snes_trefoil_record",
+                             "run.json"], folder=self.folder)
+        self.assertEqual(result.returncode, 0, result.stdout)
+        with open(self.path("run.json"), encoding="utf-8") as file:
+            record = json.load(file)
+        press, weak = (load["force"][2] for load in record["loads"])
+        self.assertAlmostEqual(press, -200, delta=1e-6)
+        self.assertLess(abs(weak), 1e-4 * abs(press))
+
+    def test_without_contact_nothing_is_said_of_it(self):
+        result = scenes.run(["-mesh_generate", "box", "-material_young", "1e5",
+                             "-material_poisson", "0.3"], folder=self.folder)
+        self.assertEqual(result.returncode, 1)
+        self.assertNotIn("contact", result.stdout)
 
 
 if __name__ == "__main__":
