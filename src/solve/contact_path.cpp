@@ -108,6 +108,7 @@ PetscErrorCode ContactPath::begin_step(double time) {
 PetscErrorCode ContactPath::move_on(bool *arrived, std::string *blocked) {
   constexpr int most_parts = 50;
   const Place &from = parts_ == 0 ? stand_ : part_;
+  const double here = from.time;
   AllowedMotion motion;
   bool moved = false;
   PetscFunctionBeginUser;
@@ -121,7 +122,10 @@ PetscErrorCode ContactPath::move_on(bool *arrived, std::string *blocked) {
   *arrived = motion.share >= 1;
   if (*arrived) PetscFunctionReturn(PETSC_SUCCESS);
   if (parts_ < most_parts) PetscCall(go_part(motion.share, &moved));
-  if (!moved) *blocked = sentence_of(motion, from.time);
+  if (moved) PetscFunctionReturn(PETSC_SUCCESS);
+  const double reached = here + motion.share * (end_.time - here);
+  *blocked =
+      sentence_of({(reached - stand_.time) / (end_.time - stand_.time), motion.what}, stand_.time);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
