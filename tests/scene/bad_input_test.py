@@ -163,7 +163,7 @@ MESHES = [
      ["all_bad.mesh", "nothing is left"]),
     ("unknown repair", mesh("two_bad.mesh", mesh_repair="fix"), ["-mesh_repair", "'fix'", "drop"]),
     ("two meshes", mesh("one_tet.mesh", mesh_generate="box"),
-     ["-mesh_file", "-mesh_generate", "not both"]),
+     ["-mesh_file", "-mesh_generate", "has one mesh"]),
     ("unknown kind", scene(mesh_generate="torus"), ["torus", "box", "knot"]),
     ("negative resolution", scene(mesh_resolution="-2"), ["-mesh_resolution", "negative"]),
     ("fractional resolution", scene(mesh_resolution="2.5"), ["-mesh_resolution", "2.5"]),
