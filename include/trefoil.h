@@ -140,6 +140,16 @@ typedef PetscErrorCode (*TrefoilMaxStepFunction)(SNES snes, Vec x, Vec d, PetscR
 PetscErrorCode TrefoilSNESSetMaxStep(SNES snes, TrefoilMaxStepFunction function, void *ctx);
 
 /*
+   A callback for the size of a direction d, as -snes_trefoil_direction_tolerance means it: in units
+   of the host's, over points with several unknowns the longest of their vectors, say. Collective;
+   the same number on all ranks, not negative. Without it the largest |entry| counts.
+*/
+typedef PetscErrorCode (*TrefoilDirectionSizeFunction)(SNES snes, Vec d, PetscReal *size,
+                                                       void *ctx);
+PetscErrorCode TrefoilSNESSetDirectionSize(SNES snes, TrefoilDirectionSizeFunction function,
+                                           void *ctx);
+
+/*
    A callback that fills P, of the Jacobian's pattern, with the matrix of -snes_trefoil_proxy mass:
    symmetric, positive definite, the same for all of a solve. Collective.
 */
@@ -165,7 +175,7 @@ PetscErrorCode TrefoilSNESSetContinue(SNES snes, PetscBool goes_on);
 /* Tolerances on the Newton decrement, in energy units, and on the decrement over the energy scale;
    0 turns a test off, PETSC_DEFAULT leaves it as it is. */
 PetscErrorCode TrefoilSNESSetTolerances(SNES snes, PetscReal decrement, PetscReal energy);
-/* On the largest entry of the direction, in units of the unknowns; 0 turns the test off. */
+/* On the size of the direction, see TrefoilSNESSetDirectionSize(); 0 turns the test off. */
 PetscErrorCode TrefoilSNESSetDirectionTolerance(SNES snes, PetscReal tolerance);
 /* Whether the direction that meets a stop test is followed, before the solve ends, instead of being
    thrown away: an energy and a residual more, and what is left is the square of what was tested. */

@@ -200,6 +200,22 @@ PetscErrorCode EnergyFunctional::largest_step(Vec x, Vec d, double first, double
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode EnergyFunctional::largest_move(Vec d, double *largest) const {
+  const std::size_t size = discretization_.mesh().coordinates.size();
+  Vec local = nullptr;
+  const PetscScalar *move = nullptr;
+  PetscFunctionBeginUser;
+  *largest = 0;
+  PetscCall(discretization_.get_local_direction(d, &local, &move));
+  for (std::size_t k = 0; k < size; k += 3) {
+    *largest = std::max(*largest, std::hypot(move[k], move[k + 1], move[k + 2]));
+  }
+  PetscCall(discretization_.restore_local(&local, &move));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, largest, 1, MPI_DOUBLE, MPI_MAX,
+                             PetscObjectComm(reinterpret_cast<PetscObject>(d))));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 std::unique_ptr<EnergyFunctional> EnergyFunctional::spreading(Spreading kind) const {
   auto other = std::make_unique<EnergyFunctional>(discretization_);
   for (const auto &term : terms_) {

@@ -59,6 +59,8 @@ class EnergyFunctional {
   PetscErrorCode accept_step(Vec x);
   /// The largest step a <= first along d that all terms allow. Collective.
   PetscErrorCode largest_step(Vec x, Vec d, double first, double *largest) const;
+  /// The farthest that a direction d takes any vertex: max |d_v|. Collective.
+  PetscErrorCode largest_move(Vec d, double *largest) const;
 
   /// The same elements with energies that spread displacements. Shares what is prepared; this
   /// object must outlive it.

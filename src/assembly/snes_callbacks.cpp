@@ -53,6 +53,12 @@ PetscErrorCode max_step(SNES, Vec x, Vec d, PetscReal first, PetscReal *largest,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode direction_size(SNES, Vec d, PetscReal *size, void *ctx) {
+  PetscFunctionBeginUser;
+  PetscCall(static_cast<EnergyFunctional *>(ctx)->largest_move(d, size));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode mass_proxy(SNES, Mat P, void *ctx) {
   PetscFunctionBeginUser;
   PetscCall(static_cast<EnergyFunctional *>(ctx)->constant_hessian(P));
@@ -87,6 +93,7 @@ PetscErrorCode EnergyFunctional::attach(SNES snes, Mat H, Assembly assembly) {
   }
   PetscCall(TrefoilSNESSetEnergyScale(snes, energy_scale, this));
   PetscCall(TrefoilSNESSetEnergyChanges(snes, changes_on_plane, this));
+  PetscCall(TrefoilSNESSetDirectionSize(snes, direction_size, this));
   if (std::any_of(terms_.begin(), terms_.end(),
                   [](const auto &term) { return term->hessian_kind() == HessianKind::constant; })) {
     PetscCall(TrefoilSNESSetMassProxy(snes, mass_proxy, this));

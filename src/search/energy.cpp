@@ -148,4 +148,21 @@ PetscErrorCode Energy::limit_step(Vec x, Vec d, double *step, bool *truncated) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode Energy::direction_size(Vec d, double *size) {
+  PetscReal found = 0;
+  PetscFunctionBeginUser;
+  if (direction_size_callback) {
+    PetscCall(direction_size_callback.function(snes_, d, &found, direction_size_callback.context));
+    PetscCheck(found >= 0, PetscObjectComm(reinterpret_cast<PetscObject>(snes_)),
+               PETSC_ERR_ARG_OUTOFRANGE,
+               "the size of a direction by TrefoilSNESSetDirectionSize()'s callback is %g and must "
+               "not be negative",
+               found);
+  } else {
+    PetscCall(VecNorm(d, NORM_INFINITY, &found));
+  }
+  *size = found;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 }  // namespace trefoil

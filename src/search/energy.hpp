@@ -19,6 +19,7 @@ class Energy {
   Callback<TrefoilEnergyScaleFunction> scale_callback;
   Callback<TrefoilEnergyChangesFunction> changes_callback;
   Callback<TrefoilMaxStepFunction> max_step_callback;
+  Callback<TrefoilDirectionSizeFunction> direction_size_callback;
   double offset = 0;  ///< a constant that the objective leaves out, for monitor and record
 
   /// Forgets energies of the solve before.
@@ -52,6 +53,8 @@ class Energy {
   /// Shortens `step` to the largest that the host allows along d from x, which may be 0: none;
   /// `truncated` where it did.
   PetscErrorCode limit_step(Vec x, Vec d, double *step, bool *truncated);
+  /// How far d leads, as the host measures it; else the largest |entry|.
+  PetscErrorCode direction_size(Vec d, double *size);
 
  private:
   /// b'v of the right-hand side; 0 where there is none.

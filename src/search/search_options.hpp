@@ -23,7 +23,7 @@ struct StopOptions {
   double decrement_tolerance = 0;     ///< energy units; 0: off
   double energy_tolerance = 1e-8;     ///< predicted decrease over energy scale; 0: off
   bool energy_tolerance_set = false;  ///< by the user, so decrement_tolerance does not turn it off
-  double direction_tolerance = 0;     ///< largest entry of the direction, unknowns' units; 0: off
+  double direction_tolerance = 0;     ///< Energy::direction_size(); 0: off
   bool takes_last = false;            ///< the direction that meets a test is followed, then it ends
   bool verify_minimum = false;        ///< look for negative curvature where the stop test is met
   /// Of the solve's applications of the preconditioner, a set-up counting as forty: as many more

@@ -62,9 +62,9 @@ PetscErrorCode stop_test(const StopOptions &options, Energy &f, const LineSearch
     }
   }
   if (options.direction_tolerance > 0 && is_newtons) {
-    PetscReal largest = 0;
-    PetscCall(VecNorm(state.d, NORM_INFINITY, &largest));
-    if (largest <= options.direction_tolerance) {
+    double size = 0;
+    PetscCall(f.direction_size(state.d, &size));
+    if (size <= options.direction_tolerance) {
       record.reason = "the direction is below -snes_trefoil_direction_tolerance";
       PetscFunctionReturn(PETSC_SUCCESS);
     }

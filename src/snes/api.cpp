@@ -73,6 +73,15 @@ PetscErrorCode TrefoilSNESSetMaxStep(SNES snes, TrefoilMaxStepFunction function,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode TrefoilSNESSetDirectionSize(SNES snes, TrefoilDirectionSizeFunction function,
+                                           void *ctx) {
+  Solver *solver = nullptr;
+  PetscFunctionBegin;
+  PetscCall(trefoil::get_solver(snes, &solver));
+  solver->energy.direction_size_callback = {function, ctx};
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode TrefoilSNESSetMassProxy(SNES snes, TrefoilProxyFunction function, void *ctx) {
   Solver *solver = nullptr;
   PetscFunctionBegin;

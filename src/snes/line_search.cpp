@@ -386,8 +386,9 @@ static PetscErrorCode SNESLineSearchView_Trefoil(SNESLineSearch search, PetscVie
      (energy units, 0 off)
 .  -snes_trefoil_energy_tolerance <1e-08> - Stop when the decrement over the energy scale is
      below (dimensionless, 0 off; off where decrement_tolerance is set)
-.  -snes_trefoil_direction_tolerance <0> - Stop when no entry of the direction is larger, at
-     filter weights up to 1/2 (units of the unknowns, 0 off)
+.  -snes_trefoil_direction_tolerance <0> - Stop when the direction is no larger, at filter
+     weights up to 1/2: no entry of it, or no point's vector where the host says so (units of the
+     unknowns, 0 off)
 .  -snes_trefoil_take_last <false> - The direction that meets a stop test is followed before the
      solve ends
 .  -snes_trefoil_verify_minimum <false> - Where the stop test is met, look for negative

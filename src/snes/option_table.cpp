@@ -102,8 +102,8 @@ std::vector<Option> table_of(SolverOptions &options) {
        "decrement_tolerance is set)",
        Number{&stop.energy_tolerance, is_not_negative, not_negative}, &stop.energy_tolerance_set},
       {"snes_trefoil_direction_tolerance",
-       "Stop when no entry of the direction is larger, at filter weights up to 1/2 (units of the "
-       "unknowns, 0 off)",
+       "Stop when the direction is no larger, at filter weights up to 1/2: no entry of it, or no "
+       "point's vector where the host says so (units of the unknowns, 0 off)",
        Number{&stop.direction_tolerance, is_not_negative, not_negative}},
       {"snes_trefoil_take_last",
        "The direction that meets a stop test is followed before the solve ends", &stop.takes_last},

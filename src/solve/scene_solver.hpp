@@ -30,7 +30,7 @@ class SceneSolver {
   /// Collective; once. @param head_start seconds that were spent before
   PetscErrorCode set_up(const SolveOutcome &outcome, double head_start);
 
-  /// Ends solves where no entry of the direction is larger, unless the user's options say where.
+  /// Ends solves where the direction takes no vertex farther, unless the user's options say where.
   /// Collective.
   PetscErrorCode set_direction_tolerance(double tolerance);
 

@@ -17,6 +17,10 @@
 namespace trefoil {
 namespace {
 
+/// Directions end no step where they are longer, however long the step is: as a share of the box's
+/// diagonal. A velocity times a long step would be no tolerance at all.
+constexpr double longest_tolerated = 1e-3;
+
 /// The velocity below which a step's directions need not go on. Friction holds by slips of less
 /// than its slip velocity: the solver must resolve those, or it ends at rest where bodies slide.
 double tolerated_velocity(const Scene &scene) {
@@ -36,6 +40,7 @@ class TimeWalk {
         outcome_(outcome),
         comm_(PetscObjectComm(reinterpret_cast<PetscObject>(scene.mesh.dm))),
         options_(scene.options.time),
+        diagonal_(box_of(scene.mesh).diagonal()),
         tolerated_velocity_(tolerated_velocity(scene)),
         steps_(*options_.end, *options_.step, options_.shortest_step()),
         solver_(scene),
@@ -60,7 +65,7 @@ class TimeWalk {
   SolveOutcome *outcome_;
   MPI_Comm comm_;
   const TimeOptions &options_;
-  double tolerated_velocity_;
+  double diagonal_, tolerated_velocity_;
   TimeSteps steps_;
   SceneSolver solver_;
   ContactPath contact_;
@@ -87,7 +92,7 @@ PetscErrorCode TimeWalk::start() {
 
 PetscErrorCode TimeWalk::say_tolerance() const {
   const bool is_absolute = options_.absolute_velocity_tolerance.has_value();
-  const double asked = options_.tolerated_velocity(box_of(scene_.mesh).diagonal());
+  const double asked = options_.tolerated_velocity(diagonal_);
   std::ostringstream text;
   PetscFunctionBeginUser;
   if (tolerated_velocity_ > 0) {
@@ -100,6 +105,10 @@ PetscErrorCode TimeWalk::say_tolerance() const {
     } else {
       text << " (-time_velocity_tolerance, " << options_.velocity_tolerance
            << " of the box's diagonal per time)";
+    }
+    if (tolerated_velocity_ * *options_.step > longest_tolerated * diagonal_) {
+      text << ", and the direction itself below " << longest_tolerated * diagonal_ << " ("
+           << longest_tolerated << " of the diagonal): the steps are long";
     }
   } else {
     text << "a step in time ends by its energy alone: the velocity tolerance is 0";
@@ -216,7 +225,8 @@ PetscErrorCode TimeWalk::take_step(Attempt *attempt) {
   PetscCall(scene_.motion->begin_step(steps_.length(), steps_.next()));
   if (contact_.exists()) PetscCall(move_prescribed(attempt, &arrived));
   if (!arrived) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(solver_.set_direction_tolerance(tolerated_velocity_ * steps_.length()));
+  PetscCall(solver_.set_direction_tolerance(
+      std::min(tolerated_velocity_ * steps_.length(), longest_tolerated * diagonal_)));
   while (again) {
     PetscCall(solve_here(attempt));
     again = contact_.exists() && attempt->converged;

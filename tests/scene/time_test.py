@@ -249,10 +249,50 @@ class Steps(unittest.TestCase):
         loose, said = iterations("-time_velocity_tolerance_absolute", "10")
         self.assertIn("is below 10 (", said)
         self.assertEqual(loose, iterations("-time_velocity_tolerance", repr(10 / diagonal))[0])
-        self.assertLess(sum(loose), sum(default))
+        tight, _ = iterations("-time_velocity_tolerance_absolute", "1e-9")
+        self.assertLess(sum(default), sum(tight))
         off, said = iterations("-time_velocity_tolerance_absolute", "0")
         self.assertIn("by its energy alone", said)
         self.assertGreater(sum(off), sum(default))
+
+    def test_directions_are_as_long_as_a_vertex_moves(self):
+        """A body in free flight, whose first direction is its velocity v times the step for every vertex:
+        a tolerance below |v|, but above its components, does not end the step with it. Also where
+        components are held, and eliminated, at some of the vertices."""
+        def iterations(tolerance, components, *more, ranks=1):
+            record = record_of([*BOX, "-snes_trefoil_energy_tolerance", "1e-26", *timed(0.1, 0.1),
+                                "-snes_trefoil_monitor", "false", "-initial_velocity",
+                                ", ".join(components), "-time_velocity_tolerance_absolute",
+                                repr(tolerance), *more], ranks)
+            self.assertEqual(record["status"], 0, record["printed"])
+            return record["result"]["iterations"]
+
+        slides = ["-constraints", "floor", "-constraint_floor_where", "z == zmin",
+                  "-constraint_floor_move", "free, free, 0"]
+        for components, more in ((["1e-4"] * 3, []), (["1e-4", "1e-4", "0"], slides),
+                                 (["1e-4"] * 2, ["-mesh_generate", "square"])):
+            size = 1e-4 * math.sqrt(sum(v != "0" for v in components))
+            for ranks in (1, 2):
+                with self.subTest(components=components, ranks=ranks):
+                    self.assertEqual(iterations(1.01 * size, components, *more, ranks=ranks), 1)
+                    self.assertEqual(iterations(0.99 * size, components, *more, ranks=ranks), 2)
+
+    def test_long_steps_are_not_ended_by_their_length(self):
+        """A body pulled so slowly that inertia does not matter, in steps that are long in units of time:
+        the states of rest, and a line says what bounds the direction."""
+        scene = [*BOX, "-material_young", "1e6", "-material_poisson", "0.3", *HELD, "-constraints",
+                 "wall,end", "-constraint_end_where", "x == xmax", "-constraint_end_move",
+                 "min(t/5e3, 1), 0, 0", *timed(1e4, 2.5e3)]
+        energies, said = [], []
+        for tolerance in ([], ["-time_velocity_tolerance", "1e-12"]):
+            record = record_of([*scene, *tolerance])
+            self.assertEqual(record["status"], 0, record["printed"])
+            energies.append([step["strain_energy"] for step in record["steps"]])
+            said.append("and the direction itself below 0.00173205 (0.001 of the diagonal): the steps "
+                        "are long" in record["printed"])
+        for one, other in zip(*energies):
+            self.assertAlmostEqual(one, other, delta=1e-6 * energies[1][-1])
+        self.assertEqual(said, [True, False])
 
     def test_one_solver_for_all_steps(self):
         record = record_of([*BOX, *SOFT, *HELD, *GRAVITY, *timed(0.2, 0.02)])
