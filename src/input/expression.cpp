@@ -5,6 +5,7 @@
 #include <cctype>
 #include <cmath>
 #include <numbers>
+#include <sstream>
 
 #include "trefoil/input_error.hpp"
 
@@ -180,9 +181,11 @@ std::vector<double> Expression::evaluate(const double *position, double time,
   }
   for (int i = 0; i < found; ++i) {
     if (is_free(values[i]) || std::abs(values[i]) < 1e290) continue;
+    std::ostringstream when;
+    if (uses_time()) when << ", t = " << time;
     throw InputError(where_from_ + ": '" + text_ + "' is not finite at (" +
                      std::to_string(position[0]) + ", " + std::to_string(position[1]) + ", " +
-                     std::to_string(position[2]) + ")");
+                     std::to_string(position[2]) + ")" + when.str());
   }
   return {values, values + found};
 }

@@ -9,6 +9,7 @@
 
 #include "output/snapshot.hpp"
 #include "support/collective_error.hpp"
+#include "support/part_file.hpp"
 #include "support/petsc_compatibility.hpp"
 #include "support/text_file.hpp"
 
@@ -37,6 +38,7 @@ std::string obstacle_of(const std::filesystem::path &file) {
   if (is_stream(file.string())) return cannot_write(file, "it is a device or a pipe; name a file");
   if (!std::filesystem::is_directory(directory_of(file), ignored))
     return cannot_write(file, "there is no directory '" + directory_of(file).string() + "'");
+  remove_stale_parts(file.string());
   return FileInParts(file).create();
 }
 

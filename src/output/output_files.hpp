@@ -15,7 +15,7 @@ enum class OutputFormat { xdmf, vtu, unknown };
 OutputFormat format_of_output(const std::filesystem::path &path);
 
 /// Refuses a place where no file can be written and renamed, with one sentence on all ranks; leaves
-/// nothing behind. Collective.
+/// nothing behind, and removes what dead runs have left of it. Collective.
 PetscErrorCode check_place(MPI_Comm comm, const std::string &file);
 
 /// What is in the way of writing an output to `path`, as one sentence; nothing where all is well.

@@ -1,14 +1,13 @@
 #include "output/series.hpp"
 
 #include <algorithm>
-#include <cstdio>
 #include <functional>
 
 #include "output/hdf5_file.hpp"
 #include "output/output_files.hpp"
 #include "output/row_order.hpp"
+#include "output/series_list.hpp"
 #include "output/vtu.hpp"
-#include "output/xdmf.hpp"
 #include "support/collective_error.hpp"
 #include "support/petsc_compatibility.hpp"
 #include "support/text_file.hpp"
@@ -39,18 +38,6 @@ PetscErrorCode agree_that_it_fits(MPI_Comm comm, bool fits) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// "bar_0012.vtu"
-std::filesystem::path numbered(const std::filesystem::path &path, std::size_t number) {
-  char digits[32];
-  std::snprintf(digits, sizeof digits, "_%04zu", number);
-  return path.parent_path() / (path.stem().string() + digits + path.extension().string());
-}
-
-/// The heavy half of an XDMF output, and of a series the mesh.
-std::filesystem::path data_of(const std::filesystem::path &path) {
-  return std::filesystem::path(path).replace_extension(".h5");
-}
-
 /// Lets `name` be another name of `file`, or a copy where the disk knows no second names.
 std::string give_second_name(const std::filesystem::path &file, const std::filesystem::path &name) {
   std::error_code error;
@@ -63,14 +50,18 @@ std::string give_second_name(const std::filesystem::path &file, const std::files
 }  // namespace
 
 struct Series::State {
-  MPI_Comm comm = MPI_COMM_NULL;
+  State(MPI_Comm ranks, const std::filesystem::path &place)
+      : comm(ranks), path(place), format(format_of_output(place)), list(place) {}
+
+  MPI_Comm comm;
   int rank = 0;
   std::filesystem::path path;
-  OutputFormat format = OutputFormat::unknown;
+  OutputFormat format;
   RowOrder points, cells;
   std::size_t local_points = 0, local_cells = 0;
   ArrangedMesh mesh;
   std::vector<XdmfState> states;
+  SeriesList list;
 
   PetscErrorCode take_mesh(const OutputMesh &given);
   PetscErrorCode write(bool has_time, double t, const std::vector<Field> &fields);
@@ -79,8 +70,6 @@ struct Series::State {
   PetscErrorCode write_vtus(const std::vector<ArrangedField> &fields);
   PetscErrorCode publish_list();
   std::string cut() const;
-  [[nodiscard]] std::filesystem::path file_of_state(std::size_t number) const;
-  PetscErrorCode publish_text(const std::filesystem::path &file, const std::string &text);
 };
 
 PetscErrorCode Series::State::take_mesh(const OutputMesh &given) {
@@ -119,39 +108,17 @@ PetscErrorCode Series::State::arrange(const std::vector<Field> &fields,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Series::State::publish_text(const std::filesystem::path &file,
-                                           const std::string &text) {
+PetscErrorCode Series::State::publish_list() {
   std::string problem;
   PetscFunctionBeginUser;
   if (rank == 0) {
-    FileInParts whole(file);
+    FileInParts whole(list.place());
     problem = whole.create();
-    if (problem.empty()) problem = whole.write(text);
+    if (problem.empty()) problem = whole.write(list.text(mesh, states));
     if (problem.empty()) problem = whole.publish();
   }
   PetscCall(agree_on_complaint(comm, problem, PETSC_ERR_FILE_OPEN));
   PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/// The description of a series.
-PetscErrorCode Series::State::publish_list() {
-  PetscFunctionBeginUser;
-  if (format == OutputFormat::xdmf) {
-    const std::string data = data_of(path).filename().string();
-    PetscCall(publish_text(path, describe_in_xdmf(data, mesh, states)));
-  } else {
-    std::vector<VtuOfSeries> files;
-    for (const XdmfState &state : states) {
-      files.push_back({state.t, numbered(path, files.size()).filename().string()});
-    }
-    PetscCall(publish_text(std::filesystem::path(path).replace_extension(".pvd"),
-                           describe_in_pvd(files)));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-std::filesystem::path Series::State::file_of_state(std::size_t number) const {
-  return numbered(format == OutputFormat::xdmf ? data_of(path) : path, number);
 }
 
 /// On one rank: removes the states behind those that are known. @return one sentence where these
@@ -159,21 +126,21 @@ std::filesystem::path Series::State::file_of_state(std::size_t number) const {
 std::string Series::State::cut() const {
   std::error_code error;
   std::vector<std::filesystem::path> needed;
-  if (format == OutputFormat::xdmf) needed.push_back(data_of(path));
-  for (std::size_t k = 0; k < states.size(); ++k) needed.push_back(file_of_state(k));
+  if (format == OutputFormat::xdmf) needed.push_back(list.data());
+  for (std::size_t k = 0; k < states.size(); ++k) needed.push_back(list.of_state(k));
   for (const std::filesystem::path &file : needed) {
     if (std::filesystem::exists(file, error)) continue;
     return "cannot go on with the series '" + path.string() + "': '" + file.string() +
            "' is not there; restart where it was written, or name another -output_file";
   }
-  for (std::size_t k = states.size(); std::filesystem::remove(file_of_state(k), error); ++k) {
+  for (std::size_t k = states.size(); std::filesystem::remove(list.of_state(k), error); ++k) {
   }
   return format == OutputFormat::xdmf ? ""
-                                      : give_second_name(file_of_state(states.size() - 1), path);
+                                      : give_second_name(list.of_state(states.size() - 1), path);
 }
 
 PetscErrorCode Series::State::write_xdmf(const std::vector<ArrangedField> &fields) {
-  const std::filesystem::path data = data_of(path);
+  const std::filesystem::path data = list.data();
   const bool is_series = states.back().has_time, is_first = states.size() == 1;
   const std::vector<ArrangedField> none;
   PetscFunctionBeginUser;
@@ -184,7 +151,7 @@ PetscErrorCode Series::State::write_xdmf(const std::vector<ArrangedField> &field
         comm, data, size_in_hdf5(mesh, true, with),
         [&](const std::string &part) { return write_hdf5(comm, part, &mesh, with); }, path));
   }
-  const std::filesystem::path of_state = is_series ? file_of_state(states.size() - 1) : data;
+  const std::filesystem::path of_state = is_series ? list.of_state(states.size() - 1) : data;
   states.back().data_file = of_state.filename().string();
   if (is_series) {
     PetscCall(write_whole(
@@ -197,7 +164,7 @@ PetscErrorCode Series::State::write_xdmf(const std::vector<ArrangedField> &field
 
 PetscErrorCode Series::State::write_vtus(const std::vector<ArrangedField> &fields) {
   const bool is_series = states.back().has_time;
-  const std::filesystem::path file = is_series ? file_of_state(states.size() - 1) : path;
+  const std::filesystem::path file = is_series ? list.of_state(states.size() - 1) : path;
   std::string problem;
   PetscFunctionBeginUser;
   PetscCall(write_whole(comm, file, size_in_vtu(mesh, fields), [&](const std::string &part) {
@@ -220,7 +187,10 @@ PetscErrorCode Series::State::write(bool has_time, double t, const std::vector<F
   states.push_back({has_time, t, "", {arranged.begin(), arranged.end()}});
   const PetscErrorCode outcome =
       format == OutputFormat::xdmf ? write_xdmf(arranged) : write_vtus(arranged);
-  if (outcome) states.pop_back();
+  if (outcome) {
+    states.pop_back();
+    list.forget();
+  }
   PetscCall(outcome);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -230,11 +200,8 @@ Series::~Series() = default;
 
 PetscErrorCode Series::open(MPI_Comm comm, const std::string &path, const OutputMesh &mesh) {
   PetscFunctionBeginUser;
-  state_ = std::make_unique<State>();
-  state_->comm = comm;
+  state_ = std::make_unique<State>(comm, follow_links(path));
   PetscCallMPI(MPI_Comm_rank(comm, &state_->rank));
-  state_->path = follow_links(path);
-  state_->format = format_of_output(path);
   PetscCall(check_writable(comm, path));
   PetscCall(state_->take_mesh(mesh));
   PetscFunctionReturn(PETSC_SUCCESS);

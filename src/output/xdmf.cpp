@@ -40,8 +40,32 @@ std::string exactly(double value) {
   return text;
 }
 
-std::string describe(const std::string &mesh_file, const ArrangedMesh &mesh,
-                     const XdmfState &state) {
+}  // namespace
+
+std::string escaped_for_xml(const std::string &text) {
+  std::string result;
+  for (const char letter : text)
+    result += letter == '&'   ? "&amp;"
+              : letter == '<' ? "&lt;"
+              : letter == '>' ? "&gt;"
+              : letter == '"' ? "&quot;"
+                              : std::string(1, letter);
+  return result;
+}
+
+XdmfFrame frame_in_xdmf(bool is_series, const std::vector<std::string> &obstacles) {
+  std::string names;
+  for (const std::string &name : obstacles) names += (names.empty() ? "" : " ") + name;
+  if (!names.empty()) names = " Obstacles=\"" + escaped_for_xml(names) + "\"";
+  const std::string series =
+      "    <Grid Name=\"states\" GridType=\"Collection\" CollectionType=\"Temporal\">\n";
+  return {std::string("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<Xdmf Version=\"3.0\">\n") +
+              "  <Domain" + names + ">\n" + (is_series ? series : ""),
+          std::string(is_series ? "    </Grid>\n" : "") + "  </Domain>\n</Xdmf>\n"};
+}
+
+std::string describe_in_xdmf(const std::string &mesh_file, const ArrangedMesh &mesh,
+                             const XdmfState &state) {
   const std::string integer =
       "NumberType=\"Int\" Precision=\"" + std::to_string(sizeof(PetscInt)) + "\"";
   const std::string real = R"(NumberType="Float" Precision="8")";
@@ -65,35 +89,6 @@ std::string describe(const std::string &mesh_file, const ArrangedMesh &mesh,
          << "\n      </Attribute>\n";
   text << "    </Grid>\n";
   return text.str();
-}
-
-}  // namespace
-
-std::string escaped_for_xml(const std::string &text) {
-  std::string result;
-  for (const char letter : text)
-    result += letter == '&'   ? "&amp;"
-              : letter == '<' ? "&lt;"
-              : letter == '>' ? "&gt;"
-              : letter == '"' ? "&quot;"
-                              : std::string(1, letter);
-  return result;
-}
-
-std::string describe_in_xdmf(const std::string &mesh_file, const ArrangedMesh &mesh,
-                             const std::vector<XdmfState> &states) {
-  const bool is_series = !states.empty() && states.front().has_time;
-  std::string obstacles;
-  for (const std::string &name : mesh.obstacles) obstacles += (obstacles.empty() ? "" : " ") + name;
-  if (!obstacles.empty()) obstacles = " Obstacles=\"" + escaped_for_xml(obstacles) + "\"";
-  std::string text =
-      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<Xdmf Version=\"3.0\">\n  <Domain" + obstacles +
-      ">\n";
-  if (is_series)
-    text += "    <Grid Name=\"states\" GridType=\"Collection\" CollectionType=\"Temporal\">\n";
-  for (const XdmfState &state : states) text += describe(mesh_file, mesh, state);
-  if (is_series) text += "    </Grid>\n";
-  return text + "  </Domain>\n</Xdmf>\n";
 }
 
 }  // namespace trefoil

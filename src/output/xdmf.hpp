@@ -16,13 +16,19 @@ struct XdmfState {
   std::vector<FieldKind> fields;
 };
 
+/// What stands before the states and behind them.
+struct XdmfFrame {
+  std::string head, tail;
+};
+/// @param obstacles their names are an attribute of the domain, of which readers of XDMF know
+/// nothing
+XdmfFrame frame_in_xdmf(bool is_series, const std::vector<std::string> &obstacles);
+
+/// The text of one state.
 /// @param mesh_file name of the HDF5 file with the mesh, seen from the directory of the XDMF file
-/// @param mesh only its shape, its totals and its obstacles count: the domain has an attribute with
-/// their names, of which readers of XDMF know nothing
-/// @param states one, or the states of a series
-/// @return the whole text of the XDMF file
+/// @param mesh only its shape and its totals count
 std::string describe_in_xdmf(const std::string &mesh_file, const ArrangedMesh &mesh,
-                             const std::vector<XdmfState> &states);
+                             const XdmfState &state);
 
 /// Text as it may stand in an XML attribute or between tags.
 std::string escaped_for_xml(const std::string &text);

@@ -187,6 +187,9 @@ PetscErrorCode build_scene(MPI_Comm comm, const SceneOptions &options, Scene *sc
     add_supports(scene->mesh, held, &supports);
     PetscCall(check_rigid_body_modes(scene->mesh, held, supports, options.contact.is_on));
   } else {
+    PetscCheck(options.assembly != "hook", comm, PETSC_ERR_USER_INPUT,
+               "-assembly hook watches element blocks, and masses are added as a whole matrix: "
+               "leave it out in a scene in time");
     scene->motion = std::make_unique<MovingBody>(*scene);
     PetscCall(scene->motion->set_up(region_of_cell));
   }

@@ -251,6 +251,9 @@ PetscErrorCode check_values(MPI_Comm comm, const SceneOptions &options) {
              options.progress_seconds);
   PetscCheck(options.output_every == 1 || has_series(options), comm, PETSC_ERR_USER_INPUT,
              "-output_every is for steps: with one solve there is one state");
+  PetscCheck(options.output_every == 1 || !options.output_file.empty(), comm, PETSC_ERR_USER_INPUT,
+             "-output_every is for -output_file, which is not given; a table by -output_csv has a "
+             "row for each state");
   PetscCall(check_start(comm, options));
   PetscCall(check_checkpoint(comm, options));
   PetscCall(check_files(comm, options));

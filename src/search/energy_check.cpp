@@ -35,14 +35,13 @@ PetscErrorCode refuse_foreign_objective(LineSearchState &state) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode refuse_endless_descent(MPI_Comm comm, const SolveRecord &record) {
+std::string find_endless_descent(const SolveRecord &record) {
   // The residual grows as well where a saddle is left, but ends about where it was before the
   // saddle was come near.
   constexpr double endless = 1e6;
   const auto &history = record.history;
   const IterationRecord *next = &record.current;
   std::size_t first = history.size();  // of the iterations since when both grow
-  PetscFunctionBegin;
   while (first > 0 && next->decrement > history[first - 1].decrement &&
          next->gradient_norm > history[first - 1].gradient_norm) {
     next = &history[--first];
@@ -51,12 +50,12 @@ PetscErrorCode refuse_endless_descent(MPI_Comm comm, const SolveRecord &record) 
   for (std::size_t k = 0; k <= first && k < history.size(); ++k) {
     before = std::max(before, history[k].gradient_norm);
   }
-  PetscCheck(!(before > 0 && record.current.gradient_norm > endless * before), comm,
-             PETSC_ERR_ARG_WRONG,
-             "the energy falls faster and faster and the residual has grown a million times: there "
-             "is no minimum this way; SNESSetFunction() wants plus the gradient of the energy to "
-             "minimise, and SNESSetJacobian() plus its Hessian");
-  PetscFunctionReturn(PETSC_SUCCESS);
+  if (!(before > 0 && record.current.gradient_norm > endless * before)) return "";
+  return "the energy falls faster and faster and the residual has grown a million times: the step "
+         "is "
+         "too long for a solve without an energy to compare (SNESSetObjective()), or signs are "
+         "turned round (SNESSetFunction() wants plus the gradient of the energy to minimise, and "
+         "SNESSetJacobian() plus its Hessian)";
 }
 
 }  // namespace trefoil

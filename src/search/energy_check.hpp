@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include "search/line_search_state.hpp"
 #include "search/solve_record.hpp"
 
@@ -9,8 +11,9 @@ namespace trefoil {
 /// slope is not that of the residual, of which one is then not the other's gradient. Collective.
 PetscErrorCode refuse_foreign_objective(LineSearchState &state);
 
-/// Refuses a solve without an objective whose energy falls faster and faster while the residual
-/// grows: with the signs of residual and Jacobian turned round a minimum is a maximum. Collective.
-PetscErrorCode refuse_endless_descent(MPI_Comm comm, const SolveRecord &record);
+/// Whether, without an objective, the energy falls faster and faster while the residual grows: a
+/// step leads past what bounds it, or signs are turned round and a minimum is a maximum.
+/// @return why the solve ends, or nothing
+std::string find_endless_descent(const SolveRecord &record);
 
 }  // namespace trefoil

@@ -283,8 +283,12 @@ static PetscErrorCode iterate(Solver &solver, SNESLineSearch search) {
   PetscCall(open_line(solver, search, state));
   PetscCall(open_iteration(solver, state));
   if (!state.has_objective) {
-    PetscCall(refuse_endless_descent(PetscObjectComm(reinterpret_cast<PetscObject>(search)),
-                                     solver.record));
+    solver.record.reason = find_endless_descent(solver.record);
+    if (!solver.record.reason.empty()) {
+      PetscCall(solver.note(solver.record.reason));
+      PetscCall(finish(solver, search, SNES_DIVERGED_LINE_SEARCH));
+      PetscFunctionReturn(PETSC_SUCCESS);
+    }
   }
   PetscCall(
       check_direction(solver.snes, *solver.rule, solver.jacobian, state, solver.record, &refused));

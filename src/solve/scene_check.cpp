@@ -66,6 +66,17 @@ std::string text_of(const MaterialOptions &material) {
          ", density " + format("%.6g", material.density);
 }
 
+/// "to t = 1 in steps of 0.02 by newmark, mass consistent, Rayleigh damping 0 and 0.001"
+std::string text_of(const TimeOptions &time) {
+  std::string text = "to t = " + format("%.6g", *time.end) + " in steps of " +
+                     format("%.6g", *time.step) + " by " + time.integrator + ", mass " + time.mass;
+  if (time.damping_mass > 0 || time.damping_stiffness > 0) {
+    text += ", Rayleigh damping " + format("%.6g", time.damping_mass) + " and " +
+            format("%.6g", time.damping_stiffness);
+  }
+  return text;
+}
+
 PetscErrorCode print_materials(const Scene &scene) {
   PetscFunctionBeginUser;
   for (const RegionReport &region : scene.regions) {
@@ -101,8 +112,13 @@ PetscErrorCode print_solver(Scene &scene) {
   getrusage(RUSAGE_SELF, &usage);
   double now = 1024. * static_cast<double>(usage.ru_maxrss);
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &now, 1, MPI_DOUBLE, MPI_SUM, comm_of(scene)));
-  PetscCall(PetscPrintf(comm_of(scene), "solver: %s; load steps: %s\n", solver.text.c_str(),
-                        steps == "1" ? "none" : steps.c_str()));
+  if (scene.motion) {
+    PetscCall(PetscPrintf(comm_of(scene), "solver: %s; %s\n", solver.text.c_str(),
+                          text_of(scene.options.time).c_str()));
+  } else {
+    PetscCall(PetscPrintf(comm_of(scene), "solver: %s; load steps: %s\n", solver.text.c_str(),
+                          steps == "1" ? "none" : steps.c_str()));
+  }
   PetscCall(PetscPrintf(
       comm_of(scene), "memory to expect: %s, of which matrices %s%s\n",
       megabytes(now + matrices + solver.factor_bytes).c_str(), megabytes(matrices).c_str(),

@@ -7,45 +7,13 @@
 #include "scene/unknown_options.hpp"
 #include "solve/saved_numbers.hpp"
 #include "solve/set_linear_solver.hpp"
-#include "solve/solver_help.hpp"
+#include "solve/solver_defaults.hpp"
 #include "solve/start_check.hpp"
 #include "support/petsc_compatibility.hpp"
 #include "trefoil.h"
 
 namespace trefoil {
 namespace {
-
-/// Steps in time: each starts where the last one ended, near its own end, and a direction that is
-/// small enough is followed all the same.
-PetscErrorCode set_time_defaults(SNES snes) {
-  PetscReal absolute = 0, relative = 0;
-  PetscInt iterations = 0, functions = 0;
-  PetscFunctionBeginUser;
-  // What a body has moved since it was at rest is no measure for a step.
-  PetscCall(SNESGetTolerances(snes, &absolute, &relative, nullptr, &iterations, &functions));
-  PetscCall(SNESSetTolerances(snes, absolute, relative, 0, iterations, functions));
-  PetscCall(TrefoilSNESSetContinue(snes, PETSC_TRUE));
-  PetscCall(TrefoilSNESSetTakeLast(snes, PETSC_TRUE));
-  PetscCall(TrefoilSNESSetVerifyMinimum(snes, PETSC_FALSE));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode set_defaults(SNES snes, const SolveOutcome &outcome, double head_start) {
-  PetscReal absolute = 0, step = 0;
-  PetscInt iterations = 0, functions = 0;
-  PetscFunctionBeginUser;
-  PetscCall(SNESSetType(snes, SNESTREFOIL));
-  // The residual at the start is that of crushed elements: no measure for the one at the end.
-  PetscCall(SNESGetTolerances(snes, &absolute, nullptr, &step, &iterations, &functions));
-  PetscCall(SNESSetTolerances(snes, absolute, 0, step, iterations, functions));
-  // A body at rest may be no minimum either, and solvers are to read their options in any case.
-  PetscCall(SNESSetForceIteration(snes, PETSC_TRUE));
-  PetscCall(set_program_defaults(snes));
-  const bool trust = outcome.guess.linear_solves > 0 || outcome.inverted_at_start == 0;
-  PetscCall(TrefoilSNESSetTrustStart(snes, trust ? PETSC_TRUE : PETSC_FALSE));
-  PetscCall(TrefoilSNESSetHeadStart(snes, head_start));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
 
 /// Refuses what PETSc would fail on late, or without a record.
 PetscErrorCode check_solver(SNES snes) {
@@ -116,11 +84,15 @@ PetscErrorCode SceneSolver::set_up(const SolveOutcome &outcome, double head_star
   PetscFunctionBeginUser;
   PetscCall(SNESCreate(PetscObjectComm(reinterpret_cast<PetscObject>(scene_.mesh.dm)), &snes_));
   PetscCall(scene_.functional->attach(snes_, scene_.hessian, assembly_of(scene_.options)));
-  PetscCall(set_defaults(snes_, outcome, head_start));
+  const bool trust = outcome.guess.linear_solves > 0 || outcome.inverted_at_start == 0;
+  PetscCall(set_defaults(snes_));
+  PetscCall(TrefoilSNESSetTrustStart(snes_, trust ? PETSC_TRUE : PETSC_FALSE));
+  PetscCall(TrefoilSNESSetHeadStart(snes_, head_start));
   PetscCall(set_defaults_of_linear_solver(scene_.linear_solver, snes_));
   if (scene_.motion) PetscCall(set_time_defaults(snes_));
   PetscCall(SNESSetFromOptions(snes_));
   PetscCall(check_solver(snes_));
+  if (scene_.motion) PetscCall(set_time_tests_of_others(snes_));
   PetscCall(TrefoilSNESSetFromOptions(snes_));     // also where another type does not read them
   PetscCall(TrefoilSNESSetRecordFile(snes_, ""));  // the program writes it, completed
   PetscCall(set_linear_solver(scene_, snes_));

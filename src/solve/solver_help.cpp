@@ -1,17 +1,10 @@
 #include "solve/solver_help.hpp"
 
+#include "solve/solver_defaults.hpp"
 #include "support/petsc_compatibility.hpp"
 #include "trefoil.h"
 
 namespace trefoil {
-
-PetscErrorCode set_program_defaults(SNES snes) {
-  PetscFunctionBeginUser;
-  PetscCall(TrefoilSNESSetMonitor(snes, PETSC_TRUE));
-  PetscCall(TrefoilSNESSetSearch(snes, TREFOIL_SEARCH_SUBSPACE));
-  PetscCall(TrefoilSNESSetVerifyMinimum(snes, PETSC_TRUE));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
 
 PetscErrorCode print_solver_help(MPI_Comm comm) {
   SNES snes = nullptr;

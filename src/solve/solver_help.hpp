@@ -4,9 +4,6 @@
 
 namespace trefoil {
 
-/// What a scene is solved with unless its options say otherwise.
-PetscErrorCode set_program_defaults(SNES snes);
-
 /// Prints the options of the solver, with its defaults in a scene: those of the plugin, and PETSc's
 /// of SNES, line search, KSP and PC. For -help, without a scene. Collective.
 PetscErrorCode print_solver_help(MPI_Comm comm);

@@ -51,6 +51,7 @@ class TimeWalk {
  private:
   PetscErrorCode start();
   PetscErrorCode save(SavedRun *run) const;
+  PetscErrorCode say_end() const;
   PetscErrorCode go_on();
   PetscErrorCode say_tolerance() const;
   PetscErrorCode say_step() const;
@@ -139,6 +140,22 @@ PetscErrorCode TimeWalk::save(SavedRun *run) const {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// Of a run that goes on where it has ended already.
+PetscErrorCode TimeWalk::say_end() const {
+  const char *file = scene_.options.checkpoint.restart_file.c_str();
+  std::ostringstream reached;
+  PetscFunctionBeginUser;
+  reached << steps_.time();
+  PetscCheck(steps_.time() <= *options_.end, comm_, PETSC_ERR_USER_INPUT,
+             "%s is at t = %s, behind -time_end %g: give a later end", file, reached.str().c_str(),
+             *options_.end);
+  if (steps_.is_done()) {
+    PetscCall(PetscPrintf(comm_, "%s is at t = %s, the end: nothing is left to be solved\n", file,
+                          reached.str().c_str()));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode TimeWalk::go_on() {
   Motion state, previous;
   double previous_step = 0;
@@ -152,6 +169,7 @@ PetscErrorCode TimeWalk::go_on() {
     record_.load(numbers.at("record"));
     has_searched = numbers.contains("search");
   }));
+  PetscCall(say_end());
   PetscCall(load_start(checkpoint_, outcome_));
   PetscCall(checkpoint_.fetch("displacement", scene_.displacement));
   PetscCall(checkpoint_.fetch("displacement", &state.u));

@@ -6,10 +6,10 @@
 
 #include <cerrno>
 #include <cstdio>
-#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 
+#include "support/part_file.hpp"
 #include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
@@ -60,9 +60,21 @@ std::string replace_file(const std::string &path, const std::string &text) {
   return problem;
 }
 
+/// A disk that is full takes a part of the text: what stands there then goes again.
+std::string append_to_file(const std::string &path, const std::string &text) {
+  struct stat before;
+  const bool is_known = stat(path.c_str(), &before) == 0 && S_ISREG(before.st_mode);
+  std::string problem = write_and_close(std::fopen(path.c_str(), "a"), text);
+  if (!problem.empty() && is_known && truncate(path.c_str(), before.st_size) != 0) {
+    problem += "; its last line is not whole";
+  }
+  return problem;
+}
+
 std::string find_obstacle(const std::string &path) {
   if (is_stream(path)) return access(path.c_str(), W_OK) == 0 ? "" : std::strerror(errno);
   std::string problem;
+  remove_stale_parts(follow_links(path));
   const std::string part = make_part(follow_links(path), &problem);
   if (problem.empty()) std::remove(part.c_str());
   return problem;
@@ -100,27 +112,6 @@ bool is_stream(const std::string &path) {
   return !S_ISDIR(there.st_mode);
 }
 
-std::string make_part(const std::string &path, std::string *problem) {
-  constexpr const char *ending = ".part";
-  struct stat there;
-  problem->clear();
-  if (stat(path.c_str(), &there) == 0 && S_ISDIR(there.st_mode)) {
-    *problem = std::strerror(EISDIR);
-    return "";
-  }
-  std::string part = path + ".XXXXXX" + ending;
-  const int descriptor = mkstemps(part.data(), static_cast<int>(std::strlen(ending)));
-  if (descriptor < 0) {
-    *problem = std::strerror(errno);
-    return "";
-  }
-  const mode_t mask = umask(0);
-  umask(mask);
-  fchmod(descriptor, 0666 & ~mask);  // mkstemps keeps files to oneself
-  close(descriptor);
-  return part;
-}
-
 std::string find_no_room(const std::string &file, PetscInt64 bytes) {
   const int descriptor = open(file.c_str(), O_WRONLY | O_CLOEXEC);
   if (descriptor < 0) return std::strerror(errno);
@@ -151,7 +142,7 @@ PetscErrorCode append_text_file(MPI_Comm comm, const std::string &path, const st
   std::string problem;
   PetscFunctionBeginUser;
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
-  if (rank == 0) problem = write_and_close(std::fopen(path.c_str(), "a"), text);
+  if (rank == 0) problem = append_to_file(path, text);
   PetscCall(agree(comm, path, problem));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -14,11 +14,6 @@ std::string follow_links(const std::string &path);
 /// socket, or what the program's own output goes to.
 bool is_stream(const std::string &path);
 
-/// Creates an empty file beside `path` under a name that no other run has: path.XXXXXX.part.
-/// @param problem what went wrong, empty where nothing did
-/// @return its name
-std::string make_part(const std::string &path, std::string *problem);
-
 /// What the system says where the disk has no room for `bytes` more behind a file, which stays as
 /// it is, or where the file cannot be opened; empty where all is well.
 std::string find_no_room(const std::string &file, PetscInt64 bytes);
@@ -26,10 +21,11 @@ std::string find_no_room(const std::string &file, PetscInt64 bytes);
 /// Writes text beside `path` and renames: there is never half a file. Devices and pipes are written
 /// to, links followed. On the first rank; collective, an error is one on all ranks.
 PetscErrorCode write_text_file(MPI_Comm comm, const std::string &path, const std::string &text);
-/// Writes text behind what is there, in one piece as far as the system does so. On the first rank;
-/// collective, an error is one on all ranks.
+/// Writes text behind what is there, in one piece as far as the system does so; where the disk is
+/// full, nothing. On the first rank; collective, an error is one on all ranks.
 PetscErrorCode append_text_file(MPI_Comm comm, const std::string &path, const std::string &text);
-/// Whether `path` can be written; leaves nothing behind. Collective.
+/// Whether `path` can be written; leaves nothing behind, and removes what dead runs have left of it
+/// (see remove_stale_parts()). Collective.
 PetscErrorCode check_text_file(MPI_Comm comm, const std::string &path);
 
 }  // namespace trefoil

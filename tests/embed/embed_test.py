@@ -59,6 +59,14 @@ class InTime(unittest.TestCase):
         self.assertLess(ours[1], 0.7 * stock[1])
         self.assertLess(abs(ours[2] / stock[2] - 1), 1e-6)
 
+    def test_a_step_that_is_too_long_is_no_error(self):
+        """The solve diverges, in words, and TSALPHA2 tries a shorter step."""
+        printed, status, _ = run(SWING, f"{DIRECT} -bars 100 -ts_dt 0.25 "
+                                        f"-ts_max_snes_failures -1 {TREFOIL}")
+        self.assertEqual(status, 0, printed)
+        self.assertIn("the step is too long for a solve without an energy to compare", printed)
+        self.assertTrue(outcome(printed)[0], printed)
+
 
 class HandWrittenElements(Host):
     def test_stretch_where_stock_fails(self):

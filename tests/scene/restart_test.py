@@ -380,6 +380,10 @@ class InTime(RestartTest):
         self.same_states(whole, self.solve([*SWINGING, "-time_end", "0.2", "-restart", "run.ckpt"]))
         done = self.solve([*SWINGING, "-time_end", "0.1", "-restart", "run.ckpt"])
         self.assertEqual(len(done["steps"]), 6)
+        self.assertIn("run.ckpt is at t = 0.1, the end: nothing is left to be solved", run(
+            [*SWINGING, "-time_end", "0.1", "-restart", "run.ckpt"], folder=self.folder).stdout)
+        self.refused([*SWINGING, "-time_end", "0.06", "-restart", "run.ckpt"],
+                     "run.ckpt is at t = 0.1, behind -time_end 0.06: give a later end")
 
 
 if __name__ == "__main__":

@@ -5,6 +5,7 @@ import csv
 import glob
 import os
 import random
+import resource
 import signal
 import subprocess
 import tempfile
@@ -286,16 +287,47 @@ class Killed(unittest.TestCase):
             for file in [*files, "a.vtu"]:
                 self.assertEqual(meshio.read(self.path(file)).point_data["velocity"].shape, (27, 3))
 
+    def test_a_disk_that_is_full_leaves_whole_rows(self):
+        """Here a bound on the size of files, which comes in the midst of a row."""
+        command = [PROGRAM, *self.SCENE]
+        printed = []
+        with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                              cwd=self.folder.name, env=environment(),
+                              restore_signals=False) as process:  # SIGXFSZ stays ignored
+            for line in process.stdout:
+                printed.append(line)
+                if line.startswith("time step 3,"):
+                    bound = os.path.getsize(self.path("a.csv")) + 50000
+                    resource.prlimit(process.pid, resource.RLIMIT_FSIZE, (bound, bound))
+        self.assertEqual(process.returncode, 1)
+        self.assertIn("cannot write the file 'a.csv': File too large", printed[-1])
+        with open(self.path("a.csv"), encoding="utf-8") as file:
+            text = file.read()
+        self.assertTrue(text.endswith("\n"), text[-80:])
+        self.assertGreater(len(text), bound - 1000)
+
     def test_a_run_goes_over_what_a_killed_one_left(self):
-        """Neither old states nor old rows stay in what is read."""
+        """Neither old states nor old rows nor parts of files stay in what is read; parts of a run that
+        goes on do."""
         self.kill_in_step(4, "a.xdmf", 1)
         self.assertTrue(glob.glob(self.path("a_*.h5")))
+        dead = subprocess.Popen(["true"])
+        dead.wait()
+        left = [f"a.xdmf.{dead.pid}.abcdef.part", f"a_0007.h5.{dead.pid}.abcdef.part",
+                f"a.csv.{dead.pid}.a2cdef.part"]
+        not_ours = [f"b.xdmf.{dead.pid}.abcdef.part", f"a.h5.{os.getpid()}.abcdef.part",
+                    "a.h5.abcdef.part", "a.part"]
+        for name in (*left, *not_ours):
+            with open(self.path(name), "wb"):
+                pass
         shorter = [*self.SCENE, "-time_end", "0.02", "-output_file", "a.xdmf"]
         result = run(shorter, folder=self.folder.name)
         self.assertEqual(result.returncode, 0, result.stdout)
         self.assertEqual([round(t, 9) for t, _ in read_series(self.path("a.xdmf"))[1]], [0, 0.01, 0.02])
         with open(self.path("a.csv"), encoding="utf-8") as file:
             self.assertEqual(len(list(csv.DictReader(file))), 3)
+        self.assertEqual(sorted(name for name in os.listdir(self.folder.name) if name.endswith(".part")),
+                         sorted(not_ours))
 
 
 if __name__ == "__main__":

@@ -294,6 +294,30 @@ class Steps(unittest.TestCase):
             self.assertAlmostEqual(one, other, delta=1e-6 * energies[1][-1])
         self.assertEqual(said, [True, False])
 
+    def test_methods_of_petsc_end_by_their_residual(self):
+        """newtonls and newtontr know no velocity: without options they end as well, at the same state."""
+        ends = []
+        for method in ("trefoil", "newtonls", "newtontr"):
+            record = record_of([*BOX, *SOFT, *HELD, *GRAVITY, *timed(0.1, 0.02), "-snes_type", method])
+            self.assertEqual(record["status"], 0, record["printed"])
+            self.assertLess(record["result"]["iterations"], 40)
+            ends.append(record["steps"][-1])
+        for end in ends[1:]:
+            self.assertAlmostEqual(end["kinetic_energy"], ends[0]["kinetic_energy"],
+                                   delta=1e-4 * ends[0]["kinetic_energy"])
+
+    def test_elements_are_clamped_by_default(self):
+        for more, rule in (([], "clamp"), (["-snes_trefoil_filter", "on_demand"], "on_demand")):
+            record = record_of([*BOX, *SOFT, *HELD, *GRAVITY, *timed(0.1, 0.1), *more])
+            self.assertEqual(record["solver"]["filter"], rule)
+
+    def test_check_tells_of_time(self):
+        printed = run([*BOX, *timed(1, 0.1, "-time_integrator", "bdf2", "-time_damping_stiffness",
+                                    "1e-3"), "--check"]).stdout
+        self.assertIn("; to t = 1 in steps of 0.1 by bdf2, mass consistent, Rayleigh damping 0 and 0.001\n",
+                      printed)
+        self.assertNotIn("load steps", printed)
+
     def test_one_solver_for_all_steps(self):
         record = record_of([*BOX, *SOFT, *HELD, *GRAVITY, *timed(0.2, 0.02)])
         steps = record["result"]["time_step_iterations"]
@@ -337,6 +361,13 @@ class Refused(unittest.TestCase):
                  [*BOX, *timed(1, 0.1, "-time_integrator", "newmark", "-time_gamma", "0.4")]),
                 ("-output_every is 0", [*BOX, *timed(1, 0.1), "-output_every", "0"]),
                 ("-output_every is for steps", [*BOX, *HELD, "-output_every", "2"]),
+                ("-output_every is for -output_file, which is not given",
+                 [*BOX, *timed(1, 0.1), "-output_every", "2", "-output_csv", "/tmp/none.csv"]),
+                ("-assembly hook watches element blocks, and masses are added as a whole matrix",
+                 [*BOX, *timed(1, 0.1), "-assembly", "hook"]),
+                (", 1.000000), t = 0.2\n",
+                 [*BOX, *timed(1, 0.1), "-loads", "top", "-load_top_where", "z == zmax",
+                  "-load_top_traction", "0, 0, t > 0.15 ? 1/0 : 0"]),
                 ("-time_velocity_tolerance is -1",
                  [*BOX, *timed(1, 0.1, "-time_velocity_tolerance", "-1")]),
                 ("-time_velocity_tolerance_absolute is -1",

@@ -7,6 +7,7 @@
 #include "mesh/io/hdf5_mesh.hpp"
 #include "mesh/io/hdf5_mesh_names.hpp"
 #include "support/collective_error.hpp"
+#include "support/part_file.hpp"
 #include "support/petsc_compatibility.hpp"
 #include "support/text_file.hpp"
 
