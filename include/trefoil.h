@@ -82,6 +82,20 @@ typedef enum {
 */
 PetscErrorCode TrefoilSNESSetSplitCapabilities(SNES snes, int capabilities);
 
+/* Hp = H p of the unfiltered Hessian that the split callback has made last. Collective. */
+typedef PetscErrorCode (*TrefoilHessianProductFunction)(SNES snes, Vec p, Vec Hp, void *ctx);
+
+/*
+   TrefoilSNESSetHessianProduct - lets the split callback form H + 2 w N at once, without a Mat N
+
+   Logically collective; after TrefoilSNESSetSplitJacobian(), which forgets it. Where
+   TrefoilSNESGetWeight() is not 0 and the callback gets NULL for N, it makes H + 2 w N in H; the
+   search multiplies by H itself through `function`. With an eigenvalue floor, and in PETSc's test
+   of the Jacobian, the callback gets a place for N as before.
+*/
+PetscErrorCode TrefoilSNESSetHessianProduct(SNES snes, TrefoilHessianProductFunction function,
+                                            void *ctx);
+
 /*
    TrefoilSNESGetEigenvalueFloor - the floor under filtered eigenvalues, for split callbacks
 

@@ -161,6 +161,34 @@ PetscErrorCode EnergyFunctional::hessian(Vec x, Mat H, Mat *negative,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode EnergyFunctional::filtered_hessian(Vec x, Mat H, TrefoilSplitStatistics *statistics,
+                                                  double weight) {
+  const HessianFilter filter{.weight = weight, .floor = {}, .at_once = true};
+  PetscFunctionBeginUser;
+  PetscCall(discretization_.copy_local(x, &filtered_at_));
+  PetscCall(hessian_.assemble(filtered_at_.data(), H, nullptr, &filter, statistics));
+  PetscCall(discretization_.turn_matrix(H, true));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode EnergyFunctional::multiply_by_hessian(Vec p, Vec Hp) const {
+  const DM dm = discretization_.mesh().dm;
+  Vec local = nullptr, products = nullptr;
+  const PetscScalar *values = nullptr;
+  PetscScalar *product = nullptr;
+  PetscFunctionBeginUser;
+  PetscCall(discretization_.get_local_direction(p, &local, &values));
+  PetscCall(DMGetLocalVector(dm, &products));
+  PetscCall(VecSet(products, 0));
+  PetscCall(VecGetArray(products, &product));
+  PetscCall(hessian_.add_product(filtered_at_.data(), values, product));
+  PetscCall(VecRestoreArray(products, &product));
+  PetscCall(discretization_.add_to_global(products, Hp));
+  PetscCall(DMRestoreLocalVector(dm, &products));
+  PetscCall(discretization_.restore_local(&local, &values));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode EnergyFunctional::set_time(double time) {
   PetscFunctionBeginUser;
   for (const auto &term : terms_) PetscCall(term->set_time(time));

@@ -47,6 +47,14 @@ class EnergyFunctional {
   PetscErrorCode hessian(Vec x, Mat H, Mat *negative, TrefoilSplitStatistics *statistics,
                          const HessianFilter &filter = {});
 
+  /// H + 2 w N in H, at once: where hessian_has_product(). Collective.
+  PetscErrorCode filtered_hessian(Vec x, Mat H, TrefoilSplitStatistics *statistics, double weight);
+  /// Hp of the unfiltered Hessian where filtered_hessian() was last, element by element.
+  /// Collective.
+  PetscErrorCode multiply_by_hessian(Vec p, Vec Hp) const;
+  /// Whether both can be done.
+  [[nodiscard]] bool hessian_has_product() const { return hessian_.filters_at_once(); }
+
   /// The constant parts of H alone: in time the masses, as inertia and damping weigh them.
   /// Collective.
   PetscErrorCode constant_hessian(Mat P) { return hessian_.assemble_constants(P); }
@@ -87,6 +95,8 @@ class EnergyFunctional {
 
   /// Gives SNES the callbacks. Collective; this object must outlive the SNES.
   PetscErrorCode attach(SNES snes, Mat H, Assembly assembly);
+  /// Lets it do without N, where that can be. After attach(). Collective.
+  PetscErrorCode do_without_negative(SNES snes);
 
   [[nodiscard]] double bytes() const;
 
@@ -94,6 +104,7 @@ class EnergyFunctional {
   const Discretization &discretization_;
   std::vector<std::unique_ptr<Term>> terms_;
   HessianAssembler hessian_;
+  std::vector<double> filtered_at_;  ///< local displacements, see multiply_by_hessian()
 };
 
 }  // namespace trefoil

@@ -35,6 +35,23 @@ bool HessianAssembler::goes_in_batches(const Term &term, const HessianFilter *fi
          (!filter || filter->floor.share == 0);
 }
 
+bool HessianAssembler::filters_at_once() const {
+  return std::all_of(terms_.begin(), terms_.end(), [this](const auto &term) {
+    return (term->hessian_kind() == HessianKind::none || goes_in_batches(*term, nullptr)) &&
+           !term->shifts_filter();
+  });
+}
+
+PetscErrorCode HessianAssembler::add_product(const double *u, const double *p,
+                                             double *product) const {
+  PetscFunctionBeginUser;
+  for (const auto &term : terms_) {
+    if (term->hessian_kind() == HessianKind::none) continue;
+    PetscCall(PackedAssembler::add_product(*term->batch(), u, p, product));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode HessianAssembler::prepare(Mat H) {
   std::vector<const ElementPacks *> packs;
   PetscFunctionBeginUser;
@@ -78,7 +95,8 @@ PetscErrorCode HessianAssembler::assemble_in_batches(const double *u, Mat H, Mat
       shift_filter(cells, first, count, K);
     };
   }
-  PetscCall(packed_->assemble(parts, u, shift, H, N, filter != nullptr, statistics));
+  const double formed = filter && filter->at_once ? 2 * filter->weight : 0;
+  PetscCall(packed_->assemble(parts, u, shift, {H, N, filter != nullptr, formed}, statistics));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

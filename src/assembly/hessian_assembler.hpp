@@ -16,6 +16,7 @@ namespace trefoil {
 struct HessianFilter {
   double weight = 1;      ///< w > 0 of the H + 2 w N that will be made
   EigenvalueFloor floor;  ///< under the filtered eigenvalues; elements then go one by one
+  bool at_once = false;   ///< H becomes H + 2 w N; see HessianAssembler::filters_at_once()
 };
 
 /// Assembles the Hessian of a sum of terms and its negative part, each term by its own path, see
@@ -49,6 +50,12 @@ class HessianAssembler {
   /// Collective.
   PetscErrorCode assemble(const double *u, Mat H, Mat N, const HessianFilter *filter,
                           TrefoilSplitStatistics *statistics);
+
+  /// Whether H + 2 w N can be formed at once, and H multiplied by without a matrix: all elements go
+  /// in batches, and the filter sees nothing but them.
+  [[nodiscard]] bool filters_at_once() const;
+  /// Adds H p to `product`, both 3 a local vertex; where filters_at_once().
+  PetscErrorCode add_product(const double *u, const double *p, double *product) const;
 
   /// Sets P to the constant parts of H alone. Collective.
   PetscErrorCode assemble_constants(Mat P);

@@ -44,6 +44,12 @@ struct Chunk {
                       [](int found) { return found > 0; });
     PetscFunctionReturn(PETSC_SUCCESS);
   }
+
+  /// K += factor N. N is zero where nothing was negative.
+  void add_negative(double factor) {
+    const auto numbers = static_cast<std::size_t>(elements.elements().entries() * lanes * count);
+    for (std::size_t k = 0; k < numbers; ++k) K[k] += factor * N[k];
+  }
 };
 
 /// Calls work() for each chunk, once its matrices K are made.
@@ -62,8 +68,9 @@ PetscErrorCode for_each_chunk(Chunk *chunk, const double *u, const Work &work) {
 
 /// Adds up H (may be null) and N (may be null) of one term's elements.
 PetscErrorCode assemble_part(const PackedAssembler::Part &part, const BlockSums &sums,
-                             const double *u, const PackedAssembler::Shift &shift, double *const *H,
-                             double *const *N, bool filtering, TrefoilSplitStatistics *statistics) {
+                             const double *u, const PackedAssembler::Shift &shift,
+                             const PackedAssembler::Wanted &wanted, double *const *H,
+                             double *const *N, TrefoilSplitStatistics *statistics) {
   const PackedElements &elements = *part.elements;
   const AddBlocks add_blocks = add_blocks_kernel(*elements.elements().reference);
   const auto expand = elements.expand();
@@ -72,8 +79,12 @@ PetscErrorCode assemble_part(const PackedAssembler::Part &part, const BlockSums 
   PetscCall(for_each_chunk(&chunk, u, [&] {
     PetscFunctionBeginUser;
     const PetscInt first = chunk.first, count = chunk.count;
+    if (wanted.negative_in_H != 0) {
+      PetscCall(chunk.split(u, statistics));
+      chunk.add_negative(wanted.negative_in_H * part.negative_factor);
+    }
     if (H) add_blocks(sums, expand, first, count, chunk.K.data(), nullptr, H);
-    if (!filtering) PetscFunctionReturn(PETSC_SUCCESS);
+    if (!wanted.filtering || wanted.negative_in_H != 0) PetscFunctionReturn(PETSC_SUCCESS);
     if (shift) shift(elements.elements(), first, count, chunk.K.data());
     PetscCall(chunk.split(u, statistics));
     if (!N) PetscFunctionReturn(PETSC_SUCCESS);
@@ -85,6 +96,32 @@ PetscErrorCode assemble_part(const PackedAssembler::Part &part, const BlockSums 
   }));
   statistics->elements += elements.elements().elements;
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Adds H p of a pack's elements to `product`.
+/// @param blocks as ElementKernels::expand writes them
+/// @param node nodes x 8 local vertices
+void add_product_of_pack(int dim, int nodes, const double *blocks, const PetscInt *node,
+                         const double *p, double *product) {
+  constexpr int most = ReferenceElement::most_nodes * 3;
+  double from[most * lanes], to[most * lanes] = {};
+  for (int k = 0; k < nodes * dim * lanes; ++k) {
+    from[k] = p[3 * node[k / (dim * lanes) * lanes + k % lanes] + k / lanes % dim];
+  }
+  for (int a = 0; a < nodes; ++a) {
+    for (int b = a; b < nodes; ++b) {
+      for (int k = 0; k < dim * dim; ++k, blocks += lanes) {
+        const int row = (dim * a + k / dim) * lanes, column = (dim * b + k % dim) * lanes;
+        for (int lane = 0; lane < lanes; ++lane) {
+          to[row + lane] += blocks[lane] * from[column + lane];
+          if (a != b) to[column + lane] += blocks[lane] * from[row + lane];
+        }
+      }
+    }
+  }
+  for (int k = 0; k < nodes * dim * lanes; ++k) {
+    product[3 * node[k / (dim * lanes) * lanes + k % lanes] + k / lanes % dim] += to[k];
+  }
 }
 
 }  // namespace
@@ -127,19 +164,42 @@ double PackedAssembler::bytes() const {
 }
 
 PetscErrorCode PackedAssembler::assemble(std::span<const Part> parts, const double *u,
-                                         const Shift &shift, Mat H, Mat N, bool filtering,
+                                         const Shift &shift, const Wanted &wanted,
                                          TrefoilSplitStatistics *statistics) const {
+  const Mat H = wanted.H, N = wanted.N;
   MatrixBlocks::Target H_target, N_target;
   PetscFunctionBeginUser;
   if (H) PetscCall(blocks_.begin(H, &H_target));
   if (N) PetscCall(blocks_.begin(N, &N_target));
   for (const Part &part : parts) {
-    PetscCall(assemble_part(part, sums_of(part.elements->elements()), u, shift,
-                            H ? H_target.arrays : nullptr, N ? N_target.arrays : nullptr, filtering,
+    PetscCall(assemble_part(part, sums_of(part.elements->elements()), u, shift, wanted,
+                            H ? H_target.arrays : nullptr, N ? N_target.arrays : nullptr,
                             statistics));
   }
   if (H) PetscCall(blocks_.end(&H_target));
   if (N) PetscCall(blocks_.end(&N_target));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode PackedAssembler::add_product(const PackedElements &elements, const double *u,
+                                            const double *p, double *product) {
+  const ElementPacks &packs = elements.elements();
+  const int nodes = packs.reference->nodes, dim = packs.reference->dimension;
+  const auto expand = elements.expand();
+  const auto matrix = static_cast<std::size_t>(packs.entries() * lanes);
+  std::vector<double> blocks(static_cast<std::size_t>(upper_blocks(nodes) * dim * dim * lanes));
+  Chunk chunk(elements);
+  PetscFunctionBeginUser;
+  PetscCall(for_each_chunk(&chunk, u, [&] {
+    PetscFunctionBeginUser;
+    for (PetscInt k = 0; k < chunk.count; ++k) {
+      expand(chunk.K.data() + matrix * static_cast<std::size_t>(k), blocks.data());
+      add_product_of_pack(dim, nodes, blocks.data(),
+                          &packs.nodes[static_cast<std::size_t>(nodes * lanes * (chunk.first + k))],
+                          p, product);
+    }
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

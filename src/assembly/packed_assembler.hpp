@@ -39,12 +39,22 @@ class PackedAssembler {
   [[nodiscard]] const MatrixBlocks &blocks() const { return blocks_; }
   [[nodiscard]] const BlockSums &sums_of(const ElementPacks &packs) const;
 
-  /// Sets H (may be null: left alone) and N (may be null: not wanted) at the local displacements u.
-  /// @param filtering false: H only, nothing is split
+  /// What is to be set.
+  struct Wanted {
+    Mat H = nullptr;           ///< null: left alone
+    Mat N = nullptr;           ///< null: not wanted
+    bool filtering = false;    ///< without, H only: nothing is split
+    double negative_in_H = 0;  ///< H becomes H plus this times N
+  };
+  /// Sets matrices at the local displacements u. Without a shift where negative_in_H is not 0.
   /// @param statistics counts and seconds are added
   /// Collective.
-  PetscErrorCode assemble(std::span<const Part> parts, const double *u, const Shift &shift, Mat H,
-                          Mat N, bool filtering, TrefoilSplitStatistics *statistics) const;
+  PetscErrorCode assemble(std::span<const Part> parts, const double *u, const Shift &shift,
+                          const Wanted &wanted, TrefoilSplitStatistics *statistics) const;
+
+  /// Adds H p at u to `product`, local arrays of 3 numbers a local vertex, without a matrix.
+  static PetscErrorCode add_product(const PackedElements &elements, const double *u,
+                                    const double *p, double *product);
 
   /// Number of negative eigenvalues of each element's Hessian at u, in the order of the elements.
   static PetscErrorCode count_negative(const PackedElements &elements, const double *u,

@@ -28,7 +28,18 @@ PetscErrorCode split_hessian(SNES snes, Vec x, Mat H, Mat *negative,
   PetscFunctionBeginUser;
   PetscCall(TrefoilSNESGetWeight(snes, &filter.weight));
   PetscCall(TrefoilSNESGetEigenvalueFloor(snes, &filter.floor.share, &filter.floor.weight));
-  PetscCall(static_cast<EnergyFunctional *>(ctx)->hessian(x, H, negative, statistics, filter));
+  if (!negative && filter.weight != 0) {
+    PetscCall(
+        static_cast<EnergyFunctional *>(ctx)->filtered_hessian(x, H, statistics, filter.weight));
+  } else {
+    PetscCall(static_cast<EnergyFunctional *>(ctx)->hessian(x, H, negative, statistics, filter));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode hessian_product(SNES, Vec p, Vec Hp, void *ctx) {
+  PetscFunctionBeginUser;
+  PetscCall(static_cast<EnergyFunctional *>(ctx)->multiply_by_hessian(p, Hp));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -102,6 +113,12 @@ PetscErrorCode EnergyFunctional::attach(SNES snes, Mat H, Assembly assembly) {
                   [](const auto &term) { return term->limits_step(); })) {
     PetscCall(TrefoilSNESSetMaxStep(snes, max_step, this));
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode EnergyFunctional::do_without_negative(SNES snes) {
+  PetscFunctionBeginUser;
+  if (hessian_has_product()) PetscCall(TrefoilSNESSetHessianProduct(snes, hessian_product, this));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

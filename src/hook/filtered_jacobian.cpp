@@ -1,5 +1,7 @@
 #include "hook/filtered_jacobian.hpp"
 
+#include <utility>
+
 #include "hook/matrix_operations.hpp"
 #include "support/petsc_compatibility.hpp"
 #include "support/real_dot.hpp"
@@ -29,14 +31,27 @@ PetscErrorCode FilteredJacobian::form(Mat matrix, double weight, bool filtered,
   elements_ = counts.elements;
   unfiltered_ += counts;
   negative_present_ = false;
+  unfiltered_product_ = nullptr;
   if (filtered && negative_ && counts.indefinite + counts.negative_diagonals > 0)
     PetscCall(restore_filter());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode FilteredJacobian::take_formed(Mat matrix, double weight,
+                                             const InsertionCounts &counts, Product unfiltered) {
+  PetscFunctionBeginUser;
+  PetscCall(forget_negative());
+  PetscCall(form(matrix, weight, false, counts));
+  negative_present_ = counts.indefinite > 0;
+  if (negative_present_) unfiltered_product_ = std::move(unfiltered);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode FilteredJacobian::multiply_unfiltered(Vec p, Vec Hp) const {
   PetscFunctionBeginUser;
-  if (negative_present_) {
+  if (unfiltered_product_) {
+    PetscCall(unfiltered_product_(p, Hp));
+  } else if (negative_present_) {
     PetscCall(MatMult(negative_, p, Hp));
     PetscCall(VecScale(Hp, -2 * weight_));
     PetscCall(MatMultAdd(matrix_, p, Hp, Hp));

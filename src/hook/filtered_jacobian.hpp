@@ -2,13 +2,15 @@
 
 #include <petscmat.h>
 
+#include <functional>
 #include <optional>
 
 #include "hook/element_hook.hpp"
 
 namespace trefoil {
 
-/// The filtered Jacobian H + 2 w N, formed in the SNES's own matrix, beside N.
+/// The filtered Jacobian H + 2 w N, formed in the SNES's own matrix, beside N or, where somebody
+/// multiplies by H, without it.
 class FilteredJacobian {
  public:
   FilteredJacobian() = default;
@@ -29,6 +31,12 @@ class FilteredJacobian {
   /// Collective.
   /// @param counts what was inserted into H, over all ranks
   PetscErrorCode form(Mat matrix, double weight, bool filtered, const InsertionCounts &counts);
+
+  /// Hp = H p. Collective.
+  using Product = std::function<PetscErrorCode(Vec p, Vec Hp)>;
+  /// `matrix` is H + 2 w N already; no N is kept. Collective.
+  PetscErrorCode take_formed(Mat matrix, double weight, const InsertionCounts &counts,
+                             Product unfiltered);
 
   [[nodiscard]] Mat matrix() const { return matrix_; }
   [[nodiscard]] double weight() const { return weight_; }
@@ -52,6 +60,8 @@ class FilteredJacobian {
   /// d'Hd of the unfiltered Hessian. Collective.
   PetscErrorCode unfiltered_curvature(Vec d, Vec Hd, double *curvature) const;
 
+  /// Whether the matrix can become H where it is not.
+  [[nodiscard]] bool can_remove_filter() const { return !unfiltered_product_; }
   /// The matrix becomes H, and H + 2 w N again. Collective.
   PetscErrorCode remove_filter();
   PetscErrorCode restore_filter();
@@ -61,8 +71,9 @@ class FilteredJacobian {
   std::optional<double> imposed_weight;
 
  private:
-  Mat matrix_ = nullptr;    ///< borrowed from the SNES
-  Mat negative_ = nullptr;  ///< N
+  Mat matrix_ = nullptr;        ///< borrowed from the SNES
+  Mat negative_ = nullptr;      ///< N
+  Product unfiltered_product_;  ///< where N is part of the matrix and not kept
   double weight_ = 0;
   bool negative_present_ = false;  ///< N is part of the matrix
   PetscInt64 elements_ = 0;

@@ -87,7 +87,9 @@ PetscErrorCode classify(const StopOptions &options, KSP ksp, FilteredJacobian &j
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   const Phase phase = record.clock.switch_to(Phase::linear_solve);
-  if (inertia != Inertia::unknown) PetscCall(try_factors(ksp, solver, jacobian, record, factored));
+  if (inertia != Inertia::unknown && jacobian.can_remove_filter()) {
+    PetscCall(try_factors(ksp, solver, jacobian, record, factored));
+  }
   if (*factored) {
     *kind = StationaryPoint::minimum;
   } else if (positive_solver) {

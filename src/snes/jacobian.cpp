@@ -98,12 +98,23 @@ PetscErrorCode check_capabilities(MPI_Comm comm, const SolverOptions &options,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// Whether the split callback makes H + 2 w N in one matrix.
+PetscErrorCode forms_at_once(const Solver &solver, double weight, bool *at_once) {
+  bool is_tested = false;
+  PetscFunctionBeginUser;
+  *at_once = weight != 0 && solver.split_jacobian.product && solver.floor(weight).share == 0;
+  if (*at_once) PetscCall(JacobianTest::is_wanted(solver.snes, &is_tested));
+  *at_once = *at_once && !is_tested;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /// H and N from a split callback, which knows its elements.
-PetscErrorCode compute_split(Solver &solver, Vec x, Mat H, bool filtered, InsertionCounts *counts,
-                             double *filter_seconds) {
+/// @param keeps_negative N in a matrix of its own
+PetscErrorCode compute_split(Solver &solver, Vec x, Mat H, bool keeps_negative,
+                             InsertionCounts *counts, double *filter_seconds) {
   const SplitJacobian &split = solver.split_jacobian;
   const bool names_fields = !solver.options.fields.empty();
-  Mat *const negative = filtered ? solver.jacobian.place_of_negative() : nullptr;
+  Mat *const negative = keeps_negative ? solver.jacobian.place_of_negative() : nullptr;
   TrefoilSplitStatistics mine{};
   PetscFunctionBeginUser;
   if (names_fields) {
@@ -166,13 +177,14 @@ PetscErrorCode assemble(Solver &solver, Vec x, Mat J, Mat H, double weight) {
   const EigenvalueFloor floor = solver.floor(weight);
   InsertionCounts counts;
   double filter_seconds = 0;
-  bool multiplies = false, same = false;
+  bool multiplies = false, same = false, at_once = false;
   PetscFunctionBeginUser;
   if (filtered) PetscCall(check_capabilities(comm, options, solver.split_jacobian, floor));
   solver.record.clock.switch_to(Phase::assembly);
   PetscCall(PetscLogEventBegin(event_assembly, solver.snes, x, H, nullptr));
   if (solver.split_jacobian) {
-    PetscCall(compute_split(solver, x, H, filtered, &counts, &filter_seconds));
+    PetscCall(forms_at_once(solver, weight, &at_once));
+    PetscCall(compute_split(solver, x, H, filtered && !at_once, &counts, &filter_seconds));
   } else if (filtered) {
     PetscCall(solver.host_jacobian.compute_watched(solver.snes, x, J, H, options.fields,
                                                    options.strict, floor, solver.jacobian, &counts,
@@ -184,7 +196,7 @@ PetscErrorCode assemble(Solver &solver, Vec x, Mat J, Mat H, double weight) {
     PetscCall(MatAssemblyBegin(J, MAT_FINAL_ASSEMBLY));
     PetscCall(MatAssemblyEnd(J, MAT_FINAL_ASSEMBLY));
   }
-  if (filtered) PetscCall(solver.jacobian_test.run(solver.snes));
+  if (filtered && !at_once) PetscCall(solver.jacobian_test.run(solver.snes));
   PetscCall(multiplies_by(solver.snes, J, H, &multiplies));
   if (filtered && multiplies) PetscCall(check_operator(solver, J, H, &counts, &same));
   if (filtered && is_matrix_free(H)) {
@@ -194,7 +206,14 @@ PetscErrorCode assemble(Solver &solver, Vec x, Mat J, Mat H, double weight) {
     PetscCall(
         solver.note("the Jacobian is not the sum of the element blocks that were added to it"));
   }
-  PetscCall(solver.jacobian.form(H, weight, filtered, counts));
+  if (at_once) {
+    const auto &product = solver.split_jacobian.product;
+    PetscCall(solver.jacobian.take_formed(H, weight, counts, [&solver, product](Vec p, Vec Hp) {
+      return product.function(solver.snes, p, Hp, product.context);
+    }));
+  } else {
+    PetscCall(solver.jacobian.form(H, weight, filtered, counts));
+  }
   if (same) PetscCall(MatCopy(H, J, DIFFERENT_NONZERO_PATTERN));
   if (solver.split_jacobian) PetscCall(say_symmetric(solver, H));
   PetscCall(PetscLogEventEnd(event_assembly, solver.snes, x, H, nullptr));

@@ -19,6 +19,17 @@ static PetscErrorCode find_database(SNES snes, PetscOptions *database, std::stri
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode JacobianTest::is_wanted(SNES snes, bool *wanted) {
+  PetscOptions database = nullptr;
+  PetscBool found = PETSC_FALSE;
+  std::string name;
+  PetscFunctionBegin;
+  PetscCall(find_database(snes, &database, &name));
+  PetscCall(PetscOptionsFindPair(database, nullptr, name.c_str(), nullptr, &found));
+  *wanted = found == PETSC_TRUE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode JacobianTest::run(SNES snes) {
   PetscOptions database = nullptr;
   const char *value = nullptr;
@@ -48,6 +59,12 @@ PetscErrorCode JacobianTest::restore(SNES snes) {
 }
 
 #else
+
+PetscErrorCode JacobianTest::is_wanted(SNES snes, bool *wanted) {
+  PetscFunctionBegin;
+  *wanted = snes->testJac == PETSC_TRUE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
 PetscErrorCode JacobianTest::run(SNES snes) {
   PetscFunctionBegin;

@@ -11,6 +11,8 @@ namespace trefoil {
 /// while the matrix is H, and PETSc is kept from running it once more.
 class JacobianTest {
  public:
+  /// Whether the next Jacobian will be tested.
+  static PetscErrorCode is_wanted(SNES snes, bool *wanted);
   /// Runs the test where the user wants it. Collective.
   PetscErrorCode run(SNES snes);
   /// Gives PETSc the option back.

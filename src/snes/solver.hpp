@@ -22,6 +22,7 @@ namespace trefoil {
 /// A host's callback that makes H and N at once, and what it can do (TrefoilSplitCapability).
 struct SplitJacobian : Callback<TrefoilSplitJacobianFunction> {
   int capabilities = 0;
+  Callback<TrefoilHessianProductFunction> product;  ///< H + 2 w N is formed at once
 };
 
 /// What is composed with an SNES of ours: it owns the parts. PETSc's callbacks unpack it;

@@ -96,6 +96,10 @@ PetscErrorCode SceneSolver::set_up(const SolveOutcome &outcome, double head_star
   PetscCall(TrefoilSNESSetFromOptions(snes_));     // also where another type does not read them
   PetscCall(TrefoilSNESSetRecordFile(snes_, ""));  // the program writes it, completed
   PetscCall(set_linear_solver(scene_, snes_));
+  // Factors of H itself, which tell whether it is definite, need N; conjugate gradients do not.
+  if (scene_.linear_solver.kind == SolverKind::iterative && scene_.options.assembly == "split") {
+    PetscCall(scene_.functional->do_without_negative(snes_));
+  }
   if (outcome.linear_solver.empty()) PetscCall(say_linear_solver(scene_, snes_));
   PetscCall(SNESMonitorSet(snes_, refuse_unused_once, nullptr, nullptr));
   PetscCall(progress_.watch(snes_));

@@ -46,6 +46,19 @@ class ChoiceTest(unittest.TestCase):
         self.assertIn("cg with gamg (34992 tetrahedra; a Cholesky factor would take "
                       "about", linear(record))
 
+    def test_conjugate_gradients_need_no_matrix_of_negative_parts(self):
+        direct, iterative = (record_of(box(6, "-material_poisson", "0.45", "-solver", solver))
+                             for solver in ("direct", "iterative"))
+        self.assertGreater(max(entry["indefinite"] for entry in iterative["history"]), 0)
+        scale = direct["result"]["energy_scale"]
+        self.assertLess(abs(direct["result"]["energy"] - iterative["result"]["energy"]), 1e-8 * scale)
+        self.assertLess(iterative["memory"]["matrix_bytes"], 0.6 * direct["memory"]["matrix_bytes"])
+        # Where H has to be looked at alone, the two stay apart.
+        tested = run(box(2, "-solver", "iterative", "-snes_test_jacobian", "-snes_max_it", "2"))
+        ratios = re.findall(r"\|\|J - Jfd\|\|_F/\|\|J\|\|_F = ([0-9.e+-]+)", tested.stdout)
+        self.assertTrue(ratios)
+        self.assertLess(max(map(float, ratios)), 1e-5)
+
     def test_the_wish_and_then_petscs_options_win(self):
         self.assertIn("cg with gamg",
                       linear(record_of(box(4, "-solver", "iterative"))))
