@@ -2,6 +2,7 @@
 
 #include <petscmat.h>
 
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -47,6 +48,8 @@ class MatrixBlocks {
 
  private:
   using Dofs = std::array<PetscInt, 3>;  ///< of a vertex, as Discretization::dofs_of_vertex()
+  /// Any of a vertex's dofs that is free; -1 if all are held.
+  static PetscInt free_dof(const Dofs &dofs) { return *std::max_element(dofs.begin(), dofs.end()); }
   struct Block {
     Dofs rows, columns;
     bool operator<(const Block &other) const;  ///< by the rows' owner first

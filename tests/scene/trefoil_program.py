@@ -1,7 +1,9 @@
 """Runs the program for the scene tests."""
 import json
 import os
+import re
 import subprocess
+import sys
 import tempfile
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
@@ -20,6 +22,25 @@ def run(options, ranks=1, folder=None):
     command = ["mpirun", "-n", str(ranks), PROGRAM, *words] if ranks > 1 else [PROGRAM, *words]
     return subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
                           timeout=300, cwd=folder, env=environment(), check=False)
+
+
+MEASURED = """
+import os, resource, subprocess, sys
+done = subprocess.run(sys.argv[1:], stdout=subprocess.DEVNULL, check=False)
+peak = 1024 * resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss
+os.write(1, f"rank {os.environ['OMPI_COMM_WORLD_RANK']} {done.returncode} {peak}\\n".encode())
+"""
+
+
+def peaks_of(options, ranks):
+    """The most bytes that each rank of a run has held, by rank."""
+    command = ["mpirun", "-n", str(ranks), sys.executable, "-c", MEASURED, PROGRAM, *options]
+    done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                          timeout=300, env=environment(), check=False)
+    lines = re.findall(r"^rank (\d+) (\d+) (\d+)$", done.stdout, re.M)
+    if len(lines) != ranks or any(status != "0" for _, status, _ in lines):
+        raise AssertionError(done.stdout)
+    return [int(peak) for _, _, peak in sorted(lines, key=lambda line: int(line[0]))]
 
 
 def refusal_of(options, ranks=1):
