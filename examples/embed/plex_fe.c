@@ -26,6 +26,16 @@ static void Kinematics(const PetscScalar u_x[], PetscReal F[9], PetscReal C[9], 
   *J = F[0] * C[0] + F[1] * C[1] + F[2] * C[2];
 }
 
+static void Energy(PetscInt dim, PetscInt Nf, PetscInt NfAux, const PetscInt uOff[], const PetscInt uOff_x[], const PetscScalar u[], const PetscScalar u_t[], const PetscScalar u_x[], const PetscInt aOff[], const PetscInt aOff_x[], const PetscScalar a[], const PetscScalar a_t[], const PetscScalar a_x[], PetscReal t, const PetscReal x[], PetscInt numConstants, const PetscScalar constants[], PetscScalar psi[])
+{
+  const PetscReal mu = PetscRealPart(constants[0]), lambda = PetscRealPart(constants[1]);
+  PetscReal       F[9], C[9], J, squares = 0;
+
+  Kinematics(u_x, F, C, &J);
+  for (int i = 0; i < 9; i++) squares += F[i] * F[i];
+  psi[0] = mu / 2 * (squares - 3) + lambda / 2 * (J - 1 - mu / lambda) * (J - 1 - mu / lambda);
+}
+
 static void Stress(PetscInt dim, PetscInt Nf, PetscInt NfAux, const PetscInt uOff[], const PetscInt uOff_x[], const PetscScalar u[], const PetscScalar u_t[], const PetscScalar u_x[], const PetscInt aOff[], const PetscInt aOff_x[], const PetscScalar a[], const PetscScalar a_t[], const PetscScalar a_x[], PetscReal t, const PetscReal x[], PetscInt numConstants, const PetscScalar constants[], PetscScalar f1[])
 {
   const PetscReal mu = PetscRealPart(constants[0]), lambda = PetscRealPart(constants[1]);
@@ -79,7 +89,8 @@ int main(int argc, char **argv)
   PetscDS             ds;
   SNES                snes;
   Vec                 u;
-  PetscReal           stretch = 3, poisson = 0.49, norm;
+  PetscReal           stretch = 3, poisson = 0.49;
+  PetscScalar         energy;
   const PetscInt      faces[] = {3, 3, 3}, bottom = 1, top = 2;
   PetscInt            iterations;
   SNESConvergedReason reason;
@@ -99,6 +110,7 @@ int main(int argc, char **argv)
   PetscCall(DMSetField(dm, 0, NULL, (PetscObject)fe));
   PetscCall(DMCreateDS(dm));
   PetscCall(DMGetDS(dm, &ds));
+  PetscCall(PetscDSSetObjective(ds, 0, Energy));
   PetscCall(PetscDSSetResidual(ds, 0, NULL, Stress));
   PetscCall(PetscDSSetJacobian(ds, 0, 0, NULL, NULL, NULL, Tangent));
   const PetscReal   mu = 1 / (2 * (1 + poisson));
@@ -118,10 +130,10 @@ int main(int argc, char **argv)
   PetscCall(SNESSetFromOptions(snes));
   PetscCall(DMCreateGlobalVector(dm, &u));
   PetscCall(SNESSolve(snes, NULL, u));
-  PetscCall(VecNorm(u, NORM_2, &norm));
+  PetscCall(DMPlexComputeIntegralFEM(dm, u, &energy, NULL));
   PetscCall(SNESGetIterationNumber(snes, &iterations));
   PetscCall(SNESGetConvergedReason(snes, &reason));
-  PetscCall(PetscPrintf(PETSC_COMM_WORLD, "%s iterations %" PetscInt_FMT " norm %.12e\n", SNESConvergedReasons[reason], iterations, (double)norm));
+  PetscCall(PetscPrintf(PETSC_COMM_WORLD, "%s iterations %" PetscInt_FMT " energy %.12e\n", SNESConvergedReasons[reason], iterations, (double)PetscRealPart(energy)));
 
   PetscCall(VecDestroy(&u));
   PetscCall(SNESDestroy(&snes));

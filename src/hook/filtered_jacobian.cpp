@@ -28,7 +28,7 @@ PetscErrorCode FilteredJacobian::form(Mat matrix, double weight, bool filtered,
   PetscFunctionBeginUser;
   matrix_ = matrix;
   weight_ = weight;
-  elements_ = counts.elements;
+  if (counts.elements > 0) elements_ = counts.elements;  // H itself is not watched
   unfiltered_ += counts;
   negative_present_ = false;
   unfiltered_product_ = nullptr;

@@ -40,7 +40,7 @@ class FilteredJacobian {
 
   [[nodiscard]] Mat matrix() const { return matrix_; }
   [[nodiscard]] double weight() const { return weight_; }
-  /// Elements in the last Jacobian, over all ranks.
+  /// Elements in the last Jacobian that was watched, over all ranks.
   [[nodiscard]] PetscInt64 elements() const { return elements_; }
   /// What passed as it was, over the whole solve.
   [[nodiscard]] const InsertionCounts &unfiltered() const { return unfiltered_; }

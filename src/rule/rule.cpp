@@ -19,6 +19,7 @@ Registry own_rules() {
       {"on_demand", make_on_demand_rule},
       {"blend", make_blend_rule},
       {"three_state", make_three_state_rule},
+      {"newton_first", make_newton_first_rule},
       {"multiplicative", make_multiplicative_rule},
       {"tikhonov", make_tikhonov_rule},
   };

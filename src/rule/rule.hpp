@@ -62,6 +62,7 @@ std::unique_ptr<Rule> make_adaptive_rule(const RuleParameters &parameters);
 std::unique_ptr<Rule> make_on_demand_rule(const RuleParameters &parameters);
 std::unique_ptr<Rule> make_blend_rule(const RuleParameters &parameters);
 std::unique_ptr<Rule> make_three_state_rule(const RuleParameters &parameters);
+std::unique_ptr<Rule> make_newton_first_rule(const RuleParameters &parameters);
 std::unique_ptr<Rule> make_multiplicative_rule(const RuleParameters &parameters);
 std::unique_ptr<Rule> make_tikhonov_rule(const RuleParameters &parameters);
 

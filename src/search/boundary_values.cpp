@@ -81,14 +81,16 @@ PetscErrorCode full_step_meets(LineSearchState &state, const std::vector<char> &
 
 }  // namespace
 
-PetscErrorCode moves_boundary_values(Mat H, LineSearchState &state, bool *moves) {
+PetscErrorCode moves_boundary_values(Mat H, LineSearchState &state, std::vector<char> *held,
+                                     bool *moves) {
   PetscInt size = 0;
   PetscFunctionBegin;
   *moves = false;
   if (is_matrix_free(H)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(VecGetLocalSize(state.d, &size));
-  std::vector<char> rows(static_cast<std::size_t>(size), 1);
-  PetscCall(find_lone_rows(H, state.d, &rows));
+  held->assign(static_cast<std::size_t>(size), 1);
+  PetscCall(find_lone_rows(H, state.d, held));
+  std::vector<char> rows = *held;
   PetscCall(keep_moved(state.d, &rows, moves));
   if (*moves) PetscCall(full_step_meets(state, rows, moves));
   PetscFunctionReturn(PETSC_SUCCESS);

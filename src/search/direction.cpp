@@ -6,24 +6,81 @@
 
 #include "search/inertia.hpp"
 #include "search/inexact.hpp"
+#include "search/lanczos.hpp"
 #include "support/petsc_compatibility.hpp"
 #include "support/real_dot.hpp"
 
 namespace trefoil {
 namespace {
 
-enum class DirectionStatus { good, unsolved, not_finite, indefinite, ascends };
+enum class DirectionStatus { good, unsolved, unfactored, not_finite, indefinite, ascends };
+
+/// Whether a Jacobian that the filter may leave indefinite is so, and by what that is known. The
+/// factors tell where they count negative pivots. Elsewhere a rule that has an answer to it asks
+/// for the curvature along the direction, which a lifted step has none of, and a few Lanczos
+/// vectors.
+PetscErrorCode is_indefinite(KSP ksp, const Rule &rule, const FilteredJacobian &jacobian,
+                             const SearchMemory &memory, LineSearchState &state,
+                             SolveRecord &record, bool *indefinite) {
+  Inertia inertia = Inertia::unknown;
+  Vec product = nullptr;
+  double curvature = 0;
+  bool factors = false;
+  PetscFunctionBegin;
+  record.current.definite_by = DefiniteBy::nothing;
+  PetscCall(makes_signed_factors(ksp, &factors));
+  if (factors) PetscCall(inertia_of_factors(ksp, &inertia));
+  *indefinite = inertia == Inertia::indefinite;
+  if (inertia == Inertia::definite) record.current.definite_by = DefiniteBy::inertia;
+  if (inertia != Inertia::unknown || !rule.may_be_rejected()) PetscFunctionReturn(PETSC_SUCCESS);
+  const Phase phase = record.clock.switch_to(Phase::linear_solve);
+  if (!state.lifted) {
+    PetscCall(state.work.get(Work::product, state.x, &product));
+    PetscCall(MatMult(jacobian.matrix(), state.d, product));
+    PetscCall(dot(state.d, product, &curvature));
+    *indefinite = !(curvature > 0);
+  }
+  if (!*indefinite) {
+    PetscCall(meets_negative_curvature(ksp, memory.held_rows, state.x, state.work,
+                                       &record.verification_solves, indefinite));
+  }
+  if (!*indefinite) record.current.definite_by = DefiniteBy::curvature;
+  record.clock.switch_to(phase);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Whether it was the factors of the present matrix that failed, and would once more.
+PetscErrorCode failed_to_factor(KSP ksp, bool *failed) {
+  KSPConvergedReason solved = KSP_CONVERGED_ITERATING;
+  PetscBool factors = PETSC_FALSE, lagged = PETSC_FALSE;
+  PC pc = nullptr;
+  PetscFunctionBegin;
+  PetscCall(KSPGetConvergedReason(ksp, &solved));
+  PetscCall(KSPGetReusePreconditioner(ksp, &lagged));
+  PetscCall(KSPGetPC(ksp, &pc));
+  PetscCall(
+      PetscObjectTypeCompareAny(reinterpret_cast<PetscObject>(pc), &factors, PCLU, PCCHOLESKY, ""));
+  *failed = solved == KSP_DIVERGED_PC_FAILED && factors && !lagged;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
 /// Newton's plain direction from an indefinite Hessian may descend by luck; it is none to follow.
-PetscErrorCode status_of(KSP ksp, const FilteredJacobian &jacobian, const LineSearchState &state,
+PetscErrorCode status_of(KSP ksp, const Rule &rule, const FilteredJacobian &jacobian,
+                         const SearchMemory &memory, LineSearchState &state, SolveRecord &record,
                          DirectionStatus *status) {
+  const bool clamped = jacobian.is_clamped();
   KSPConvergedReason solved = KSP_CONVERGED_ITERATING;
-  Inertia inertia = Inertia::unknown;
+  bool indefinite = false, unfactored = false;
   PetscFunctionBegin;
   PetscCall(KSPGetConvergedReason(ksp, &solved));
   *status = DirectionStatus::good;
-  if (!jacobian.is_clamped() && solved < 0) {
+  if (!clamped && solved < 0) {
     *status = DirectionStatus::indefinite;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(failed_to_factor(ksp, &unfactored));
+  if (unfactored) {
+    *status = DirectionStatus::unfactored;
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   // The iterate that a Krylov method has got to within -ksp_max_it is a direction all the same.
@@ -35,10 +92,13 @@ PetscErrorCode status_of(KSP ksp, const FilteredJacobian &jacobian, const LineSe
     *status = DirectionStatus::not_finite;
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  if (!jacobian.is_clamped()) PetscCall(inertia_of_factors(ksp, &inertia));
-  if (inertia == Inertia::indefinite || (state.slope > 0 && !state.lifted)) {
-    *status = jacobian.is_clamped() ? DirectionStatus::ascends : DirectionStatus::indefinite;
+  if (state.slope > 0 && !state.lifted) {
+    *status = clamped ? DirectionStatus::ascends : DirectionStatus::indefinite;
+    PetscFunctionReturn(PETSC_SUCCESS);
   }
+  if (clamped) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(is_indefinite(ksp, rule, jacobian, memory, state, record, &indefinite));
+  if (indefinite) *status = DirectionStatus::indefinite;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -81,26 +141,26 @@ PetscErrorCode replace_direction(SNES snes, KSP ksp, double weight, FilteredJaco
 
 }  // namespace
 
-PetscErrorCode check_direction(SNES snes, Rule &rule, FilteredJacobian &jacobian,
-                               LineSearchState &state, SolveRecord &record,
-                               SNESConvergedReason *reason) {
+PetscErrorCode check_direction(SNES snes, Rule &rule, const SearchMemory &memory,
+                               FilteredJacobian &jacobian, LineSearchState &state,
+                               SolveRecord &record, SNESConvergedReason *reason) {
   KSP ksp = nullptr;
   KSPConvergedReason solved = KSP_CONVERGED_ITERATING;
   DirectionStatus status = DirectionStatus::good;
   PetscFunctionBegin;
   *reason = SNES_CONVERGED_ITERATING;
   PetscCall(SNESGetKSP(snes, &ksp));
-  PetscCall(status_of(ksp, jacobian, state, &status));
+  PetscCall(status_of(ksp, rule, jacobian, memory, state, record, &status));
   if (status == DirectionStatus::unsolved) {
     PetscCall(solve_with_fresh_preconditioner(ksp, state, record));
-    PetscCall(status_of(ksp, jacobian, state, &status));
+    PetscCall(status_of(ksp, rule, jacobian, memory, state, record, &status));
   }
-  while (status == DirectionStatus::indefinite && !state.lifted) {
+  while (status == DirectionStatus::indefinite) {
     const std::optional<double> weight = rule.rejected(record.current);
     if (!weight) break;
     ++record.current.refused;
     PetscCall(replace_direction(snes, ksp, *weight, jacobian, state, record));
-    PetscCall(status_of(ksp, jacobian, state, &status));
+    PetscCall(status_of(ksp, rule, jacobian, memory, state, record, &status));
   }
   switch (status) {
     case DirectionStatus::good:
@@ -110,6 +170,9 @@ PetscErrorCode check_direction(SNES snes, Rule &rule, FilteredJacobian &jacobian
       record.reason =
           std::string("the linear solver failed, with a fresh preconditioner as well (") +
           KSPConvergedReasons[solved] + "): use a direct one, or tune it by -ksp_* and -pc_*";
+      *reason = SNES_DIVERGED_LINEAR_SOLVE;
+      break;
+    case DirectionStatus::unfactored:  // the preconditioner says why
       *reason = SNES_DIVERGED_LINEAR_SOLVE;
       break;
     case DirectionStatus::not_finite:

@@ -4,8 +4,8 @@
 
 namespace trefoil {
 
-/// What a linear solver's factors say of the signs of their matrix's eigenvalues: nothing where it
-/// makes no Cholesky factors or its package does not count negative pivots.
+/// What a linear solver's factors say of the signs of their matrix's eigenvalues: nothing where
+/// their package does not count negative pivots.
 enum class Inertia { unknown, definite, indefinite };
 
 /// Factors a preconditioner's matrix as it is now, also where the SNES lags its preconditioner.
@@ -14,10 +14,13 @@ enum class Inertia { unknown, definite, indefinite };
 /// factored
 /// Collective.
 PetscErrorCode try_to_factor(PC solver, PetscErrorCode *failure);
-/// Whether it is a package whose failure is an error, which would end the SNES. Not collective.
-PetscErrorCode raises_indefiniteness(KSP ksp, bool *raises);
 
-/// Collective.
+/// Whether the linear solver makes factors of the present matrix, and not keeps those of an older
+/// one, whose pivots have the signs of its eigenvalues: Cholesky's, and PETSc's own LU. Not
+/// collective.
+PetscErrorCode makes_signed_factors(KSP ksp, bool *makes);
+
+/// What such factors say, where their package counts. Collective.
 PetscErrorCode inertia_of_factors(KSP ksp, Inertia *inertia);
 
 }  // namespace trefoil

@@ -12,6 +12,7 @@ PetscErrorCode SearchMemory::begin_solve(const SearchOptions &options, bool may_
   trusts_model = options.trust_start || (options.goes_on && trusts_model);
   if (!options.goes_on) proxy_scale = 1;
   boundary_values_open = may_lift;
+  held_rows.clear();
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

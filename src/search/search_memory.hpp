@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "rule/iteration_record.hpp"
 #include "search/search_options.hpp"
 #include "search/work_vectors.hpp"
@@ -19,6 +21,7 @@ struct SearchMemory {
   double proxy_scale = 1;
   /// Dirichlet values of a host may not be met yet: true at a solve's start, false once they are.
   bool boundary_values_open = false;
+  std::vector<char> held_rows;  ///< of this rank, by such values; empty: none, or not known
 
   /// @param may_lift the host may enforce Dirichlet values by the first step
   PetscErrorCode begin_solve(const SearchOptions &options, bool may_lift);

@@ -39,7 +39,8 @@ PetscErrorCode factor(PC solver, bool *done) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// Tries Cholesky factors of H itself and leaves those of H + 2 w N where it has none.
+/// Tries factors of H itself that tell its inertia, and leaves those of H + 2 w N where it has
+/// none.
 PetscErrorCode try_factors(KSP ksp, PC solver, FilteredJacobian &jacobian, SolveRecord &record,
                            bool *definite) {
   Inertia inertia = Inertia::unknown;
@@ -67,6 +68,25 @@ int most_solves(const StopOptions &options, const SolveRecord &record) {
   return std::clamp(static_cast<int>(options.verify_share * spent), least, most);
 }
 
+/// What a few Lanczos vectors have vouched for is looked at closely: by conjugate gradients with
+/// the diagonal, since the solver's preconditioner is of H itself, which nobody knows to be
+/// definite.
+PetscErrorCode probe_by_diagonal(const StopOptions &options, FilteredJacobian &jacobian,
+                                 LineSearchState &state, SolveRecord &record, StationaryPoint *kind,
+                                 NegativeCurvature *found) {
+  PC diagonal = nullptr;
+  PetscFunctionBeginUser;
+  PetscCall(PCCreate(PetscObjectComm(reinterpret_cast<PetscObject>(jacobian.matrix())), &diagonal));
+  PetscCall(PCSetType(diagonal, PCJACOBI));
+  PetscCall(PCJacobiSetUseAbs(diagonal, PETSC_TRUE));
+  PetscCall(PCSetOperators(diagonal, jacobian.matrix(), jacobian.matrix()));
+  PetscCall(PCSetUp(diagonal));
+  PetscCall(probe_curvature(jacobian, diagonal, most_solves(options, record), state.x, state.work,
+                            &record.verification_solves, kind, found));
+  PetscCall(PCDestroy(&diagonal));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /// @param factored the solver now holds factors of H itself
 PetscErrorCode classify(const StopOptions &options, KSP ksp, FilteredJacobian &jacobian,
                         LineSearchState &state, SolveRecord &record, StationaryPoint *kind,
@@ -83,7 +103,11 @@ PetscErrorCode classify(const StopOptions &options, KSP ksp, FilteredJacobian &j
   const bool positive_solver = clamped || inertia == Inertia::definite;
   *kind = StationaryPoint::unknown;
   if (jacobian.is_unfiltered()) {
-    if (clamped || (positive_solver && !lagged)) *kind = StationaryPoint::minimum;
+    if (clamped || (positive_solver && !lagged)) {
+      *kind = StationaryPoint::minimum;
+    } else if (record.current.definite_by == DefiniteBy::curvature) {
+      PetscCall(probe_by_diagonal(options, jacobian, state, record, kind, found));
+    }
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   const Phase phase = record.clock.switch_to(Phase::linear_solve);

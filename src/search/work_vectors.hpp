@@ -22,6 +22,10 @@ enum class Work : std::size_t {
   cg_residual,       ///< of conjugate gradients that look for negative curvature
   cg_preconditioned,
   cg_direction,
+  lanczos_scale,  ///< of Lanczos' method, which looks for it in the inverse
+  lanczos_last,
+  lanczos_vector,
+  lanczos_next,
   count
 };
 

@@ -13,51 +13,6 @@
 namespace trefoil {
 namespace {
 
-PetscErrorCode after_linear_solve(KSP ksp, Vec, Vec, void *ctx) {
-  auto &record = *static_cast<SolveRecord *>(ctx);
-  PetscInt iterations = 0;
-  PetscBool reused = PETSC_FALSE;
-  PetscFunctionBeginUser;
-  PetscCall(KSPGetReusePreconditioner(ksp, &reused));
-  record.factorisations += !reused;
-  PetscCall(KSPGetIterationNumber(ksp, &iterations));
-  record.current.linear_iterations = static_cast<int>(iterations);
-  record.clock.switch_to(Phase::other);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/// Where another method of PETSc drives, its iterations are recorded from here, so that a record
-/// compares the two: the energy is the SNES's objective, the step its line search's last one.
-PetscErrorCode record_foreign_iteration(Solver &solver, Vec x) {
-  SolveRecord &record = solver.record;
-  IterationRecord &current = record.current;
-  KSP ksp = nullptr;
-  Vec residual = nullptr;
-  const double seconds = record.seconds();
-  PetscFunctionBeginUser;
-  if (current.k > 0) {
-    SNESLineSearch search = nullptr;
-    PetscReal step = 0;
-    PetscCall(SNESGetLineSearch(solver.snes, &search));
-    PetscCall(SNESLineSearchGetLambda(search, &step));
-    IterationRecord last = record.history.back();
-    record.history.pop_back();
-    last.linear_iterations = current.linear_iterations;
-    last.step = step;
-    PetscCall(solver.close_iteration(last));
-  }
-  PetscCall(solver.energy.at(x, &current.energy));
-  PetscCall(SNESGetFunction(solver.snes, &residual, nullptr, nullptr));
-  PetscCall(VecNorm(residual, NORM_2, &current.gradient_norm));
-  current.linear_solves = record.linear_solves + 1;  // with the one to come
-  current.seconds = seconds;
-  current.indefinite = IterationRecord::none;
-  record.history.push_back(current);
-  PetscCall(SNESGetKSP(solver.snes, &ksp));
-  PetscCall(KSPSetPostSolve(ksp, after_linear_solve, &record));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /// The weight of the Jacobian to be made: the rule's, from the last step that it may learn from; 0
 /// where somebody else drives.
 PetscErrorCode choose_weight(Solver &solver, double *weight) {
@@ -177,33 +132,34 @@ PetscErrorCode assemble(Solver &solver, Vec x, Mat J, Mat H, double weight) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// A package that raises an error where the matrix is not positive definite would end the solve:
-/// where the rule knows another weight for that, the matrix is factored here already. The linear
-/// solve finds the factors done.
-PetscErrorCode refuse_indefinite(Solver &solver, Vec x, Mat J, Mat H) {
+/// Where the filter may leave the Jacobian indefinite and the linear solver's factors tell: makes
+/// them here already and asks the rule for another weight as long as they say that it is. The
+/// linear solve finds the factors done. (A package that raises an error where the matrix is not
+/// positive definite would end the solve there.)
+PetscErrorCode settle_weight(Solver &solver, Vec x, Mat J, Mat H) {
   IterationRecord &current = solver.record.current;
-  PetscErrorCode failure = PETSC_SUCCESS;
-  PetscBool lagged = PETSC_FALSE;
   KSP ksp = nullptr;
   PC pc = nullptr;
-  bool raises = false;
+  bool factors = false;
   PetscFunctionBeginUser;
   if (!solver.driven || !solver.rule->may_be_rejected()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(SNESGetKSP(solver.snes, &ksp));
-  PetscCall(raises_indefiniteness(ksp, &raises));
-  PetscCall(KSPGetReusePreconditioner(ksp, &lagged));
-  if (!raises || lagged) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(KSPGetPC(ksp, &pc));
-  while (current.weight < 0.5) {
+  PetscCall(makes_signed_factors(ksp, &factors));
+  while (factors && current.weight < 0.5) {
+    Inertia inertia = Inertia::indefinite;
+    PetscErrorCode failure = PETSC_SUCCESS;
     PetscCall(KSPSetOperators(ksp, J, H));
     PetscCall(try_to_factor(pc, &failure));
-    if (!failure) break;
-    PetscCheck(failure == PETSC_ERR_MAT_CH_ZRPVT,
+    PetscCheck(!failure || failure == PETSC_ERR_MAT_CH_ZRPVT,
                PetscObjectComm(reinterpret_cast<PetscObject>(solver.snes)), failure,
                "the factorisation of the Hessian failed");
+    if (!failure) PetscCall(inertia_of_factors(ksp, &inertia));
+    if (inertia != Inertia::indefinite) break;
     const std::optional<double> weight = solver.rule->rejected(current);
     if (!weight) break;  // the linear solve will say so
     ++current.refused;
+    ++solver.record.factorisations;
     current.weight = *weight;
     PetscCall(assemble(solver, x, J, H, *weight));
   }
@@ -230,11 +186,12 @@ PetscErrorCode compute_filtered_jacobian(SNES snes, Vec x, Mat J, Mat H, void *c
              "this solver knows no largest step (TrefoilSNESSetMaxStep()): use -snes_type trefoil");
   record.current.k = static_cast<int>(iteration);
   PetscCall(choose_weight(solver, &record.current.weight));
+  if (!solver.driven) PetscCall(solver.allow_linear_failures(false));
   if (!solver.driven && solver.split_jacobian) PetscCall(record_foreign_iteration(solver, x));
   if (!again) record.current.refused = 0;
   if (solver.uses_hessian() || !solver.driven) {
     PetscCall(assemble(solver, x, J, H, record.current.weight));
-    PetscCall(refuse_indefinite(solver, x, J, H));
+    PetscCall(settle_weight(solver, x, J, H));
   } else {
     PetscCall(form_proxy(solver, J, H));
   }

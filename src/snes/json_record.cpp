@@ -22,6 +22,12 @@ Json number(double value) {
   return std::isfinite(value) ? Json(value) : Json(nullptr);
 }
 
+/// What vouches for the Jacobian of an iteration; null where the filter does.
+Json definite_by_json(DefiniteBy by) {
+  if (by == DefiniteBy::nothing) return nullptr;
+  return by == DefiniteBy::inertia ? "inertia" : "curvature";
+}
+
 /// @param offset that the objective leaves out of energies
 Json iteration_json(const IterationRecord &entry, double offset) {
   return {{"k", entry.k},
@@ -31,6 +37,7 @@ Json iteration_json(const IterationRecord &entry, double offset) {
           {"step", entry.step},
           {"truncated", entry.truncated},
           {"refused", entry.refused},
+          {"definite_by", definite_by_json(entry.definite_by)},
           {"trials", entry.trials},
           {"corrections", entry.shamanskii_steps},
           {"decrement", number(entry.decrement)},

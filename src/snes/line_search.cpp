@@ -108,7 +108,8 @@ static PetscErrorCode open_line(Solver &solver, SNESLineSearch search, LineSearc
   PetscCall(check_energies(solver, state.has_objective));
   PetscCall(VecCopy(state.solution, state.x));
   if (solver.memory.boundary_values_open) {
-    PetscCall(moves_boundary_values(solver.jacobian.matrix(), state, &state.lifted));
+    PetscCall(moves_boundary_values(solver.jacobian.matrix(), state, &solver.memory.held_rows,
+                                    &state.lifted));
     solver.memory.boundary_values_open = state.lifted;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -290,8 +291,8 @@ static PetscErrorCode iterate(Solver &solver, SNESLineSearch search) {
       PetscFunctionReturn(PETSC_SUCCESS);
     }
   }
-  PetscCall(
-      check_direction(solver.snes, *solver.rule, solver.jacobian, state, solver.record, &refused));
+  PetscCall(check_direction(solver.snes, *solver.rule, solver.memory, solver.jacobian, state,
+                            solver.record, &refused));
   if (refused) {
     PetscCall(finish(solver, search, refused));
     PetscFunctionReturn(PETSC_SUCCESS);
@@ -362,8 +363,8 @@ static PetscErrorCode SNESLineSearchView_Trefoil(SNESLineSearch search, PetscVie
    SNESLINESEARCHTREFOIL - backtracking on the energy along the eigenvalue-filtered direction
 
    Options Database Keys:
-+  -snes_trefoil_filter <adaptive> - Filter of the element Hessians: newton, clamp, absolute,
-     adaptive, constant, on_demand, blend, three_state, multiplicative, tikhonov
++  -snes_trefoil_filter <newton_first> - Filter of the element Hessians: newton, clamp, absolute,
+     adaptive, constant, on_demand, blend, three_state, newton_first, multiplicative, tikhonov
 .  -snes_trefoil_rho_tolerance <0.01> - adaptive: clamp while |rho - 1| is below this
      (dimensionless)
 .  -snes_trefoil_weight <1> - constant: w of H + 2 w N; 0 Newton, 0.5 clamp, 1 absolute

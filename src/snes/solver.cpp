@@ -38,7 +38,6 @@ PetscErrorCode get_solver(SNES snes, Solver **solver) {
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   auto *made = new Solver(snes);
-  made->rule = trefoil::make_rule(made->options.filter, made->options.rule);
   PetscCall(PetscContainerCreate(PetscObjectComm(reinterpret_cast<PetscObject>(snes)), &container));
   PetscCall(PetscContainerSetPointer(container, made));
   PetscCall(PetscContainerSetCtxDestroy(container, destroy_solver));
@@ -46,6 +45,7 @@ PetscErrorCode get_solver(SNES snes, Solver **solver) {
                                reinterpret_cast<PetscObject>(container)));
   PetscCall(PetscContainerDestroy(&container));
   PetscCall(SNESConvergedReasonViewSet(snes, end_of_solve, made, nullptr));
+  PetscCall(made->make_rule());
   *solver = made;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -199,26 +199,23 @@ PetscErrorCode Solver::end_solve() {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// A factorisation that fails is an answer to a rule that may be rejected, not the end of the
-/// solve; to any other it is what the SNES says it is.
-static PetscErrorCode allow_linear_failures(Solver &solver) {
+PetscErrorCode Solver::allow_linear_failures(bool allowed) {
   PetscOptions database = nullptr;
   const char *prefix = nullptr;
   PetscBool given = PETSC_FALSE;
   PetscFunctionBeginUser;
-  PetscCall(PetscObjectGetOptions(reinterpret_cast<PetscObject>(solver.snes), &database));
-  PetscCall(SNESGetOptionsPrefix(solver.snes, &prefix));
+  PetscCall(PetscObjectGetOptions(reinterpret_cast<PetscObject>(snes), &database));
+  PetscCall(SNESGetOptionsPrefix(snes, &prefix));
   PetscCall(PetscOptionsHasName(database, prefix, "-snes_max_linear_solve_fail", &given));
   if (given) PetscFunctionReturn(PETSC_SUCCESS);
-  const bool may_be_rejected = solver.rule->may_be_rejected();
-  if (may_be_rejected && !solver.linear_failures) {
+  if (allowed && !linear_failures) {
     PetscInt failures = 0;
-    PetscCall(SNESGetMaxLinearSolveFailures(solver.snes, &failures));
-    PetscCall(SNESSetMaxLinearSolveFailures(solver.snes, PETSC_MAX_INT));
-    solver.linear_failures = failures;
-  } else if (!may_be_rejected && solver.linear_failures) {
-    PetscCall(SNESSetMaxLinearSolveFailures(solver.snes, *solver.linear_failures));
-    solver.linear_failures.reset();
+    PetscCall(SNESGetMaxLinearSolveFailures(snes, &failures));
+    PetscCall(SNESSetMaxLinearSolveFailures(snes, PETSC_MAX_INT));
+    linear_failures = failures;
+  } else if (!allowed && linear_failures) {
+    PetscCall(SNESSetMaxLinearSolveFailures(snes, *linear_failures));
+    linear_failures.reset();
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -227,7 +224,7 @@ PetscErrorCode Solver::make_rule() {
   PetscFunctionBeginUser;
   options.rule.solver = snes;
   rule = trefoil::make_rule(options.filter, options.rule);
-  PetscCall(allow_linear_failures(*this));
+  PetscCall(allow_linear_failures(rule->may_be_rejected()));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

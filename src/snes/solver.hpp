@@ -34,7 +34,7 @@ struct Solver {
   SolverOptions options;
   std::vector<std::string> idle_options;  ///< a sentence for each that has no effect
   std::unique_ptr<Rule> rule;
-  /// -snes_max_linear_solve_fail of before a rule that needs all of them.
+  /// -snes_max_linear_solve_fail of before a rule that needs any number of them.
   std::optional<PetscInt> linear_failures;
 
   SplitJacobian split_jacobian;
@@ -70,6 +70,9 @@ struct Solver {
   PetscErrorCode set_from_options();
   /// Makes the rule that the options name.
   PetscErrorCode make_rule();
+  /// Whether the SNES goes on after linear solves that fail: what a rule has an answer to is not
+  /// the end of the solve. The limit that it had is given back; one that the user gives stays.
+  PetscErrorCode allow_linear_failures(bool allowed);
   [[nodiscard]] bool uses_hessian() const { return options.search.proxy == TREFOIL_PROXY_HESSIAN; }
   /// The floor under filtered eigenvalues for a weight: the user's, else the rule's.
   [[nodiscard]] EigenvalueFloor floor(double weight) const {
@@ -89,6 +92,10 @@ PetscErrorCode is_driven(SNES snes, bool *driven);
 /// Puts our callback before the SNES's present Jacobian callback, whoever set it and when. Called
 /// before each Jacobian, because a host may set its own after reading options.
 PetscErrorCode install_jacobian(Solver &solver);
+/// Where another method of PETSc drives, its iterations are recorded when it asks for a Jacobian,
+/// so that a record compares the two: the energy is the SNES's objective, the step its line
+/// search's last one. Collective.
+PetscErrorCode record_foreign_iteration(Solver &solver, Vec x);
 /// Makes `H` the matrix of a proxy of the Hessian, once a solve: it stays the same, and so do its
 /// factors. Collective.
 PetscErrorCode form_proxy(Solver &solver, Mat J, Mat H);

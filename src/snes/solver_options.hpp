@@ -13,7 +13,7 @@ namespace trefoil {
 
 /// The plugin's options, see options.cpp for their names and help texts.
 struct SolverOptions {
-  std::string filter = "adaptive";
+  std::string filter = "newton_first";
   RuleParameters rule;
   bool weight_set = false;  ///< by the user, for filter `constant`
   double floor = -1;        ///< share of an element's largest |eigenvalue|; < 0: the rule's

@@ -8,6 +8,7 @@ namespace trefoil {
 PetscErrorCode set_program_defaults(SNES snes) {
   PetscFunctionBeginUser;
   PetscCall(TrefoilSNESSetMonitor(snes, PETSC_TRUE));
+  PetscCall(TrefoilSNESSetFilter(snes, "adaptive"));
   PetscCall(TrefoilSNESSetSearch(snes, TREFOIL_SEARCH_SUBSPACE));
   PetscCall(TrefoilSNESSetVerifyMinimum(snes, PETSC_TRUE));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -44,6 +44,32 @@ class Host(unittest.TestCase):
         return outcome(printed)
 
 
+class TheDefault(Host):
+    SOLVERS = {"-ksp_type preonly -pc_type lu": "inertia",
+               "-ksp_type preonly -pc_type cholesky": "inertia",
+               DIRECT: "curvature", "-ksp_type cg -ksp_rtol 1e-10 -pc_type jacobi": "curvature"}
+
+    def test_is_newtons_where_newton_works_and_vouches_for_it(self):
+        stop = "-snes_rtol 1e-8 -snes_stol 0"
+        bt = {stretch: self.stock(ELEMENTS, f"{stop} -stretch {stretch}")
+              for stretch in (0.6, 0.9, 1.3, 1.8)}
+        for solver, witness in self.SOLVERS.items():
+            for stretch in bt:
+                with self.subTest(solver=solver, stretch=stretch):
+                    options = f"{solver} {stop} -stretch {stretch}"
+                    printed, _, record = run(ELEMENTS, f"{options} {TREFOIL} "
+                                                       "-snes_trefoil_record record.json")
+                    ours, stock = outcome(printed), bt[stretch]
+                    self.assertTrue(stock[0] and ours[0])
+                    self.assertLessEqual(ours[1], stock[1] + 2)
+                    self.assertLess(ours[2] / stock[2] - 1, 1e-9)
+                    taken = [entry for entry in record["history"] if entry["step"] > 0]
+                    self.assertEqual(taken[-1]["weight"], 0)
+                    for entry in taken:
+                        self.assertEqual(entry["definite_by"],
+                                         witness if entry["weight"] < 0.5 else None)
+
+
 class InTime(unittest.TestCase):
     def test_steps_of_generalised_alpha(self):
         """TSALPHA2: the states of PETSc's own Newton; with long steps in fewer iterations."""
@@ -105,7 +131,7 @@ class HandWrittenElements(Host):
         self.assertEqual(record["mesh"]["elements"], 384)
         self.assertEqual(record["history"][0]["rho"], None)  # the lifted boundary is no model's step
         self.assertTrue(any(entry["weight"] == 0.5 for entry in record["history"]))
-        self.assertIn("snes_trefoil_filter: adaptive", printed)
+        self.assertIn("snes_trefoil_filter: newton_first", printed)
         self.assertIn("There are no unused options", printed)
         self.assertNotIn("bytes", printed.split("There are no unused options")[1])
 
@@ -185,12 +211,14 @@ class LegacyDolfin(Host):
     def test_twist_has_stocks_energy_and_ends_well(self):
         with tempfile.TemporaryDirectory() as cache:
             home = {"DIJITSO_CACHE_DIR": cache}
-            stock, _, _ = run(DOLFIN, "", variables=home)
+            stock, _, _ = run(DOLFIN, "", variables={
+                "PETSC_OPTIONS": "-snes_linesearch_type bt", **home})
             for _ in range(5):
                 printed, status, _ = run(DOLFIN, "", variables={"PETSC_OPTIONS": TREFOIL, **home})
                 self.assertEqual(status, 0, printed)
                 self.assertIn("the objective is the norm of the residual", printed)
                 self.assertLess(abs(outcome(printed)[2] / outcome(stock)[2] - 1), 1e-10)
+                self.assertLessEqual(outcome(printed)[1], outcome(stock)[1] + 2)
 
 
 class PlexFiniteElements(Host):

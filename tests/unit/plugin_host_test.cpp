@@ -172,7 +172,7 @@ TEST(SnesTypeTest, NewtonlsWithOurLineSearchIsTheSame) {
     ASSERT_EQ(host.solve(start), PETSC_SUCCESS);
     EXPECT_GT(host.reason, 0);
     EXPECT_EQ(iterations_of(host), solve_afresh(start, host.chain.vertices));
-    EXPECT_EQ(host.record.at("solver").at("filter"), "adaptive");
+    EXPECT_EQ(host.record.at("solver").at("filter"), "newton_first");
   }
 }
 

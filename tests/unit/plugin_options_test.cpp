@@ -63,7 +63,7 @@ TEST(SettersTest, RefuseWhatTheOptionsRefuse) {
   EXPECT_NE(TrefoilSNESSetConstantWeight(host.snes, std::nan("")), PETSC_SUCCESS);
   EXPECT_NE(TrefoilSNESSetTolerances(host.snes, -1, PETSC_DEFAULT), PETSC_SUCCESS);
   ASSERT_EQ(host.solve(concave_start(host.chain)), PETSC_SUCCESS);
-  EXPECT_EQ(host.record.at("solver").at("filter"), "adaptive");
+  EXPECT_EQ(host.record.at("solver").at("filter"), "newton_first");
 }
 
 TEST(IndefiniteTest, IsSaidOfRulesThatMayLeaveTheHessianSo) {
@@ -75,6 +75,7 @@ TEST(IndefiniteTest, IsSaidOfRulesThatMayLeaveTheHessianSo) {
        {Row{"adaptive", "", "trefoil", PETSC_FALSE}, Row{"tikhonov", "", "trefoil", PETSC_FALSE},
         Row{"newton", "", "trefoil", PETSC_TRUE}, Row{"on_demand", "", "trefoil", PETSC_TRUE},
         Row{"three_state", "", "trefoil", PETSC_TRUE},
+        Row{"newton_first", "", "trefoil", PETSC_TRUE},
         Row{"multiplicative", "", "trefoil", PETSC_TRUE},
         Row{"constant", "0.5", "trefoil", PETSC_FALSE},
         Row{"constant", "0.4", "trefoil", PETSC_TRUE}, Row{"adaptive", "", "newtonls", PETSC_FALSE},

@@ -205,7 +205,7 @@ TEST_P(FilterTest, RhoIsThatOfTheUnfilteredModel) {
 
 TEST(RecordTest, AdaptiveWeightsFollowTheRecordedRatios) {
   Host host;
-  run(host, {{"snes_trefoil_rho_tolerance", "0.2"}});
+  run(host, {{"snes_trefoil_filter", "adaptive"}, {"snes_trefoil_rho_tolerance", "0.2"}});
   EXPECT_EQ(host.history()[0].at("weight"), 1);
   int clamped = 0;
   for (std::size_t k = 1; k < host.history().size(); ++k) {

@@ -75,7 +75,7 @@ TEST(RuleRegistryTest, KnowsTheRulesOfTheContractOnce) {
   const std::set<std::string> names(listed.begin(), listed.end());
   EXPECT_EQ(names.size(), listed.size());
   for (const char *name : {"newton", "clamp", "absolute", "adaptive", "constant", "on_demand",
-                           "blend", "three_state", "multiplicative", "tikhonov"})
+                           "blend", "three_state", "newton_first", "multiplicative", "tikhonov"})
     EXPECT_EQ(names.count(name), 1u) << name;
 }
 
@@ -164,6 +164,7 @@ TEST_P(RuleTest, RejectionsComeToAnEndAtClampAtMost) {
   const auto rule = make_rule(GetParam(), {});
   if (!rule->may_be_rejected()) GTEST_SKIP() << "never rejected";
   rule->first();
+  rule->next(step_with(1));
   double weight = 0.125;
   for (int tries = 0; weight < clamp; ++tries) {
     ASSERT_LT(tries, 10);
@@ -231,6 +232,61 @@ TEST(ThreeStateRuleTest, ForgetsARejectionOfTheLastSolve) {
   EXPECT_EQ(rule->next(trusted_with(clamp, 1)), clamp);
   rule->first();
   EXPECT_EQ(rule->next(trusted_with(clamp, 1)), 0);
+}
+
+IterationRecord step_of(double rho, double weight, double decrement) {
+  IterationRecord record = trusted_with(weight, decrement);
+  record.rho = rho;
+  return record;
+}
+
+TEST(NewtonFirstRuleTest, TriesNewtonAfterAGoodModelAndIsAdaptiveElsewhere) {
+  const auto rule = make_rule("newton_first", {});
+  EXPECT_EQ(rule->first(), absolute);
+  for (const double weight : {0.0, 0.125, clamp, absolute}) {
+    for (const double good : {0.76, 0.999, 1.0, 1.24})
+      EXPECT_EQ(rule->next(step_of(good, weight, 1)), 0) << good;
+    for (const double bad : {-1.0, 0.74, 1.26, not_a_number})
+      EXPECT_EQ(rule->next(step_of(bad, weight, 1)), absolute) << bad;
+  }
+}
+
+TEST(NewtonFirstRuleTest, TriesSmallWeightsAndThenWhatTheAdaptiveRuleTakes) {
+  const auto rule = make_rule("newton_first", {});
+  for (const auto &[rho, filtered] : {std::pair(1.001, clamp), std::pair(1.1, absolute)}) {
+    rule->first();
+    EXPECT_EQ(rule->next(step_of(rho, clamp, 1)), 0);
+    EXPECT_EQ(rule->rejected(refused_with(0)), 1. / 32);
+    EXPECT_EQ(rule->rejected(refused_with(1. / 32)), 1. / 8);
+    EXPECT_EQ(rule->rejected(refused_with(1. / 8)), filtered);
+    EXPECT_EQ(rule->rejected(refused_with(filtered)), std::nullopt);
+  }
+}
+
+TEST(NewtonFirstRuleTest, LowersTheWeightUntilNewtonsTurnComesAgain) {
+  const auto rule = make_rule("newton_first", {});
+  rule->first();
+  EXPECT_EQ(rule->next(step_of(1, absolute, 1)), 0);
+  // Where factors refuse it no direction is known, and no decrement.
+  EXPECT_EQ(rule->rejected(refused_with(0, not_a_number)), 1. / 32);
+  EXPECT_EQ(rule->next(step_of(1, absolute, 0.9)), 1. / 4);
+  EXPECT_EQ(rule->next(step_of(1, clamp, 0.8)), 1. / 8);
+  EXPECT_EQ(rule->next(step_of(1, 1. / 8, 0.7)), 1. / 32);
+  EXPECT_EQ(rule->next(step_of(1, 1. / 32, 0.11)), 1. / 32);
+  EXPECT_EQ(rule->next(step_of(1, 4, 0.11)), clamp);  // a quarter of it is no small weight
+  EXPECT_EQ(rule->next(step_of(1, 1. / 32, 0.09)), 0);
+  EXPECT_EQ(rule->next(step_of(1, 0, 0.08)), 0);  // once taken, it is taken as long as it is good
+  EXPECT_EQ(rule->next(step_of(1, absolute, 0.5)), 0);
+}
+
+TEST(NewtonFirstRuleTest, ForgetsARejectionOfTheLastSolve) {
+  const auto rule = make_rule("newton_first", {});
+  rule->first();
+  EXPECT_EQ(rule->next(step_of(1, absolute, 1e-6)), 0);
+  rule->rejected(refused_with(0));
+  EXPECT_EQ(rule->next(step_of(1, absolute, 1)), 1. / 4);
+  rule->first();
+  EXPECT_EQ(rule->next(step_of(1, absolute, 1)), 0);
 }
 
 TEST(MultiplicativeRuleTest, HalvesAndDoublesWithinItsBounds) {

@@ -123,6 +123,7 @@ TEST(TimePluginTest, AFilterThatShortensIsNotBelieved) {
 TEST(TimePluginTest, ASolveMayGoOnWithTheLastWeight) {
   for (const bool goes_on : {false, true}) {
     Host host;
+    host.option("snes_trefoil_filter", "adaptive");
     host.option("snes_trefoil_continue", goes_on ? "true" : "false");
     ASSERT_EQ(host.set_up(), PETSC_SUCCESS);
     ASSERT_EQ(host.solve(concave_start(host.chain)), PETSC_SUCCESS);
