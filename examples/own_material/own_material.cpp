@@ -49,6 +49,9 @@ class Mine : public trefoil::SplitMaterial<Mine> {
     return {0.5 * kappa_ * J_minus_1 * J_minus_1, kappa_ * J_minus_1, kappa_};
   }
 
+  // The shear modulus at small strains.
+  double mu() const { return mu_; }
+
   // W = mu/2 (I1 - 3 - 2 (J - 1)) + mu/20 (I1 - 3)^2
   template <class Real>
   Real distortional_energy(const trefoil::Deformation<Real> &deformation) const {

@@ -74,6 +74,16 @@ concept HasEnergyOfInvariants = requires(const M &material, const Invariants<Any
   { material.energy_of_invariants(invariants) } -> std::same_as<AnyPack>;
 };
 
+/// A material of which elements may take a part of the volumetric energy at their mean of J: a
+/// SplitMaterial that knows its shear modulus.
+template <class M>
+concept VolumeSplittingMaterial = Material<M> &&
+    requires(const M &material, const AnyPack &J_minus_1) {
+  typename M::PointwisePart;
+  { material.mu() } -> std::convertible_to<double>;
+  {material.mean_law(J_minus_1)};
+};
+
 /// A material that scenes may ask for: it has a name, and makes itself of what the user says.
 template <class M>
 concept SceneMaterial = Material<M> && std::constructible_from<M, MaterialParameters> && requires {

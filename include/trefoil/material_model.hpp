@@ -13,11 +13,18 @@ class MaterialModel {
  public:
   /// @param material what the functions take
   /// @param rest_energy_density what they leave out of psi: psi(I)
+  /// @param pointwise what of psi stays at the points, where functions.pointwise does not say it
   MaterialModel(const PackedFunctions &functions, std::shared_ptr<const void> material,
-                double rest_energy_density = 0)
+                double rest_energy_density = 0,
+                std::shared_ptr<const MaterialModel> pointwise = nullptr)
       : functions_(functions),
         material_(std::move(material)),
-        rest_energy_density_(rest_energy_density) {}
+        rest_energy_density_(rest_energy_density),
+        pointwise_(std::move(pointwise)) {
+    if (functions.pointwise != nullptr) {
+      pointwise_ = std::make_shared<MaterialModel>(*functions.pointwise, material_);
+    }
+  }
 
   /// For the eight lanes of a pack, see PackedFunctions for the arrays.
   void energy_densities(const double *H, double *psi) const {
@@ -31,6 +38,14 @@ class MaterialModel {
   void stresses(const double *H, double *P) const { functions_.stress(material_.get(), H, P); }
   void tangents(const double *H, double *A) const { functions_.tangent(material_.get(), H, A); }
 
+  /// Whether elements may take a part s U of psi at their mean of J, see SplitMaterial. If so, what
+  /// stays at the points, psi - s U, and s U with its derivatives.
+  [[nodiscard]] bool splits_volume() const { return pointwise_ != nullptr; }
+  [[nodiscard]] const MaterialModel &pointwise() const { return *pointwise_; }
+  void mean_laws(const double *J_minus_1, double *law) const {
+    functions_.mean_law(material_.get(), J_minus_1, law);
+  }
+
   /// For one deformation, at the price of eight: psi(F) - psi(I), energy per rest volume.
   [[nodiscard]] double energy_density(const Matrix3<double> &H) const;
   /// The first Piola-Kirchhoff stress P = dpsi/dF.
@@ -39,6 +54,8 @@ class MaterialModel {
   [[nodiscard]] Matrix3<double> cauchy_stress(const Matrix3<double> &H) const;
   /// A = dP/dF.
   void tangent(const Matrix3<double> &H, Tangent<double> &A) const;
+  /// s U and its derivatives at J, where the material splits.
+  [[nodiscard]] VolumetricLaw<double> mean_law(double J_minus_1) const;
 
   /// psi(I) of the formula as it is known.
   [[nodiscard]] double rest_energy_density() const { return rest_energy_density_; }
@@ -47,6 +64,7 @@ class MaterialModel {
   PackedFunctions functions_;
   std::shared_ptr<const void> material_;
   double rest_energy_density_;
+  std::shared_ptr<const MaterialModel> pointwise_;
 };
 
 /// The functions of M for an instruction set: those that M offers as a static member

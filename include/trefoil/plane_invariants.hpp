@@ -25,6 +25,20 @@ class PlanePoint {
   std::array<double, 14> products_;
 };
 
+/// The coefficients of J = det(F + a D + b S) in the order of PlanePoint::products(), less the
+/// constant one: those of degree 1 to 3.
+template <class Real>
+std::array<Real, 9> determinant_in_plane(const Deformation<Real> &deformation,
+                                         const Matrix3<Real> &D, const Matrix3<Real> &S) {
+  const Matrix3<Real> F = deformation.F(), C = deformation.cofactor(), of_D = cofactor(D),
+                      of_S = cofactor(S);
+  return {contraction(C, D),    contraction(C, S),
+          contraction(F, of_D), contraction(F, mixed_cofactor(D, S)),
+          contraction(F, of_S), determinant(D),
+          contraction(of_D, S), contraction(D, of_S),
+          determinant(S)};
+}
+
 /// The invariants of F = I + H + a D + b S: polynomials in a and b of degree 3 (J, distortion) and
 /// 4. What is constant and what is linear keep their digits at small strains, as in Deformation; of
 /// higher terms each is as good as the squares of D and S.
@@ -33,8 +47,7 @@ class PlaneInvariants {
  public:
   PlaneInvariants(const Deformation<Real> &deformation, const Matrix3<Real> &D,
                   const Matrix3<Real> &S)
-      : start_(deformation.invariants()) {
-    expand_determinant(deformation, D, S);
+      : start_(deformation.invariants()), J_(determinant_in_plane(deformation, D, S)) {
     expand_distortion(deformation, D, S);
     expand_second_of_strain(deformation, D, S);
   }
@@ -60,18 +73,6 @@ class PlaneInvariants {
   }
 
  private:
-  /// J = det(F + a D + b S).
-  void expand_determinant(const Deformation<Real> &deformation, const Matrix3<Real> &D,
-                          const Matrix3<Real> &S) {
-    const Matrix3<Real> F = deformation.F(), C = deformation.cofactor(), of_D = cofactor(D),
-                        of_S = cofactor(S);
-    J_ = {contraction(C, D),    contraction(C, S),
-          contraction(F, of_D), contraction(F, mixed_cofactor(D, S)),
-          contraction(F, of_S), determinant(D),
-          contraction(of_D, S), contraction(D, of_S),
-          determinant(S)};
-  }
-
   /// (F:F - 3) - 2 (J - 1), whose derivative is 2 (F - cof F), up to degree 2.
   void expand_distortion(const Deformation<Real> &deformation, const Matrix3<Real> &D,
                          const Matrix3<Real> &S) {

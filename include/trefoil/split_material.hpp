@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+
 #include "trefoil/deformation.hpp"
 #include "trefoil/tangent_terms.hpp"
 
@@ -17,9 +19,22 @@ VolumetricLaw<Real> quadratic_law(double kappa, const Real &J_minus_1) {
   return {0.5 * kappa * J_minus_1 * J_minus_1, kappa * J_minus_1, Real(kappa)};
 }
 
-/// The base of a material M whose energy density is a sum, psi(F) = W(F) + U(J), with all that
-/// depends on J alone in U. Both parts are free of stress at rest, so that neither hides the
-/// other's digits at small strains: a term linear in J belongs to W.
+template <class Real>
+VolumetricLaw<Real> scaled(double factor, const VolumetricLaw<Real> &law) {
+  return {factor * law.energy, factor * law.slope, factor * law.curvature};
+}
+
+/// The weight of U that elements with a pressure of their own leave at the points, over the shear
+/// modulus, see SplitMaterial.
+inline constexpr double pointwise_volume_weight = 6;
+
+template <class M>
+class PointwiseMaterial;
+
+/// The base of a material M whose energy density is a sum, psi(F) = W(F) + U(J), where the weight
+/// of U is what grows without bound as Poisson's ratio goes to 1/2. Both parts are free of stress
+/// at rest, so that neither hides the other's digits at small strains: a term linear in J belongs
+/// to W.
 ///
 /// M offers, for numbers and packs,
 /// - distortional_energy(deformation): W; may take Invariants as well, see HasEnergyOfInvariants
@@ -28,10 +43,19 @@ VolumetricLaw<Real> quadratic_law(double kappa, const Real &J_minus_1) {
 /// - add_tangent_at_pressure(deformation, p, A): its derivative at this p is added,
 ///   A += d^2W/dF^2 + p d(cof F)/dF
 /// - volumetric_law(J - 1): U and its derivatives
+/// - mu(), the shear modulus at small strains, if elements may split it
 /// and has from here what a Material must have.
+///
+/// Elements with a pressure of their own take a share s of U at their mean of J, theta: what stays
+/// at the points is W + (1 - s) U(J), and the element has s U(theta) per volume. What stays weighs
+/// as much as in a body far from incompressible, (1 - s) U''(1) = pointwise_volume_weight mu, and
+/// so does not lock whatever Poisson's ratio. Without it the points of an element could trade
+/// volumes, and a body that is compressed evenly between free sides would be no minimum.
 template <class M>
 class SplitMaterial {
  public:
+  using PointwisePart = PointwiseMaterial<M>;
+
   template <class Real>
   Real energy_density(const Deformation<Real> &deformation) const {
     return derived().distortional_energy(deformation) +
@@ -64,8 +88,55 @@ class SplitMaterial {
     derived().add_tangent_at_pressure(deformation, law.slope, A);
   }
 
+  /// s; 0 in a body that is compressible enough as it is.
+  [[nodiscard]] double mean_share() const {
+    const double stiffness = derived().volumetric_law(0.0).curvature;
+    return std::max(0.0, 1 - pointwise_volume_weight * derived().mu() / stiffness);
+  }
+
+  /// s U and its derivatives at J = theta.
+  template <class Real>
+  VolumetricLaw<Real> mean_law(const Real &theta_minus_1) const {
+    return scaled(mean_share(), derived().volumetric_law(theta_minus_1));
+  }
+
  private:
   [[nodiscard]] const M &derived() const { return static_cast<const M &>(*this); }
+};
+
+/// What an element with a pressure of its own leaves of M at the points, W + (1 - s) U(J). Keeps a
+/// reference to M.
+template <class M>
+class PointwiseMaterial : public SplitMaterial<PointwiseMaterial<M>> {
+ public:
+  using Whole = M;
+  explicit PointwiseMaterial(const M &whole) : whole_(whole), share_(1 - whole.mean_share()) {}
+
+  template <class Real>
+  VolumetricLaw<Real> volumetric_law(const Real &J_minus_1) const {
+    return scaled(share_, whole_.volumetric_law(J_minus_1));
+  }
+
+  template <class State>
+  auto distortional_energy(const State &state) const requires requires(const M &whole) {
+    whole.distortional_energy(state);
+  }
+  { return whole_.distortional_energy(state); }
+
+  template <class Real>
+  Matrix3<Real> stress_at_pressure(const Deformation<Real> &deformation, const Real &p) const {
+    return whole_.stress_at_pressure(deformation, p);
+  }
+
+  template <class Real>
+  void add_tangent_at_pressure(const Deformation<Real> &deformation, const Real &p,
+                               Tangent<Real> &A) const {
+    whole_.add_tangent_at_pressure(deformation, p, A);
+  }
+
+ private:
+  const M &whole_;
+  double share_;  ///< 1 - s
 };
 
 }  // namespace trefoil

@@ -3,10 +3,7 @@
 // The batched kernels of isoparametric simplices. Included only by the files that are compiled for
 // one instruction set each (element_kernels_*.cpp); everything in here depends on Pack<isa>.
 
-#include <algorithm>
-
-#include "element/element_modes.hpp"
-#include "element/element_packs.hpp"
+#include "element/pack_at_rest.hpp"
 
 namespace trefoil {
 namespace {
@@ -20,76 +17,12 @@ constexpr int lower(int r, int c) {
 template <int nodes, int points, int dim, InstructionSet isa>
 struct Kernels {
   using Real = Pack<isa>;
+  using Elements = PackAtRest<nodes, points, dim, isa>;
   using Modes = ElementModes<nodes, isa>;
   static constexpr int modes = nodes - 1;
   static constexpr int rows = dim * modes, entries = rows * (rows + 1) / 2;
   static constexpr int tangent_rows = dim * dim;
   static constexpr int tangent_entries = tangent_rows * (tangent_rows + 1) / 2;
-
-  /// Rest shape and displacements of a pack.
-  struct Elements {
-    const double *jacobians, *reduced;
-    const PetscInt *node;
-
-    Elements(const ElementPacks &packed, PetscInt pack)
-        : jacobians(packed.jacobians.data() + points * (dim * dim + 1) * lanes * pack),
-          reduced(packed.reduced.data()),
-          node(packed.nodes.data() + nodes * lanes * pack) {}
-
-    [[nodiscard]] Real weight(int q) const {
-      return Real::load(jacobians + lanes * ((dim * dim + 1) * q + dim * dim));
-    }
-    /// G_k[i] of point q.
-    void gradients(int q, Real (&G)[modes][dim]) const {
-      Real inverse[dim * dim];
-      for (int k = 0; k < dim * dim; ++k) {
-        inverse[k] = Real::load(jacobians + lanes * ((dim * dim + 1) * q + k));
-      }
-      const double *g = reduced + modes * dim * q;
-      for (int k = 0; k < modes; ++k, g += dim) {
-        for (int i = 0; i < dim; ++i) {
-          Real sum = g[0] * inverse[i];
-          for (int j = 1; j < dim; ++j) sum += g[j] * inverse[dim * j + i];
-          G[k][i] = sum;
-        }
-      }
-    }
-    void displacements(const double *u, Real (&U)[modes][dim]) const {
-      for (int i = 0; i < dim; ++i) {
-        Real x[nodes], y[modes];
-        for (int a = 0; a < nodes; ++a) {
-          for (int lane = 0; lane < lanes; ++lane) x[a].v[lane] = u[3 * node[lanes * a + lane] + i];
-        }
-        Modes::reduce(x, y);
-        for (int k = 0; k < modes; ++k) U[k][i] = y[k];
-      }
-    }
-  };
-
-  /// H = sum_k U_k G_k'.
-  static void displacement_gradient(const Real (&U)[modes][dim], const Real (&G)[modes][dim],
-                                    Real (&H)[dim][dim]) {
-    for (int i = 0; i < dim; ++i) {
-      for (int j = 0; j < dim; ++j) {
-        Real sum = U[0][i] * G[0][j];
-        for (int k = 1; k < modes; ++k) sum += U[k][i] * G[k][j];
-        H[i][j] = sum;
-      }
-    }
-  }
-
-  /// The same as PackedFunctions takes it; in the plane nothing moves in the third direction.
-  static void displacement_gradient(const Real (&U)[modes][dim], const Real (&G)[modes][dim],
-                                    double *H) {
-    Real in_plane[dim][dim];
-    displacement_gradient(U, G, in_plane);
-    for (int i = 0; i < 3; ++i) {
-      for (int j = 0; j < 3; ++j) {
-        const Real entry = i < dim && j < dim ? in_plane[i % dim][j % dim] : Real(0.0);
-        entry.store(H + lanes * (3 * i + j));
-      }
-    }
-  }
 
   /// Calls work(weight, H) at every point of the packs.
   template <class Work>
@@ -102,7 +35,7 @@ struct Kernels {
       elements.displacements(u, U);
       for (int q = 0; q < points; ++q) {
         elements.gradients(q, G);
-        displacement_gradient(U, G, H);
+        Elements::displacement_gradient(U, G, H);
         work(elements.weight(q), H);
       }
     }
@@ -134,7 +67,7 @@ struct Kernels {
       for (int k = 0; k < directions; ++k) elements.displacements(d[k], U[k + 1]);
       for (int q = 0; q < points; ++q) {
         elements.gradients(q, G);
-        for (int k = 0; k <= directions; ++k) displacement_gradient(U[k], G, H[k]);
+        for (int k = 0; k <= directions; ++k) Elements::displacement_gradient(U[k], G, H[k]);
         elements.weight(q).store(weight);
         material.energy_changes(H[0], H[1], H[2], plane, weight, sums);
       }
@@ -151,25 +84,20 @@ struct Kernels {
       Real reduced[dim][modes];
       for (int q = 0; q < points; ++q) {
         elements.gradients(q, G);
-        displacement_gradient(U, G, H);
+        Elements::displacement_gradient(U, G, H);
         material.stresses(H, P);
-        const Real weight = elements.weight(q);
-        for (int i = 0; i < dim; ++i) {
-          Real stress[dim];
-          for (int j = 0; j < dim; ++j) stress[j] = weight * Real::load(P + lanes * (3 * i + j));
-          for (int k = 0; k < modes; ++k) {
-            for (int j = 0; j < dim; ++j) reduced[i][k] += stress[j] * G[k][j];
-          }
-        }
+        Elements::add_stress(elements.weight(q), P, G, reduced);
       }
-      for (int i = 0; i < dim; ++i) {
-        Real force[nodes];
-        Modes::expand(reduced[i], force);
-        for (int a = 0; a < nodes; ++a) {
-          for (int lane = 0; lane < lanes; ++lane) {
-            forces[3 * elements.node[lanes * a + lane] + i] += force[a].v[lane];
-          }
-        }
+      elements.add_forces(reduced, forces);
+    }
+  }
+
+  /// The lower triangle of the in-plane part of A = dP/dF.
+  static void store_triangle(const double *full, double *A) {
+    for (int r = 0; r < tangent_rows; ++r) {
+      for (int c = 0; c <= r; ++c, A += lanes) {
+        const int row = 3 * (r / dim) + r % dim, column = 3 * (c / dim) + c % dim;
+        Real::load(full + lanes * (9 * row + column)).store(A);
       }
     }
   }
@@ -179,12 +107,8 @@ struct Kernels {
     alignas(64) double full[81 * lanes];
     at_points(packed, first, count, u, [&](const Real &, const double *H) {
       material.tangents(H, full);
-      for (int r = 0; r < tangent_rows; ++r) {
-        for (int c = 0; c <= r; ++c, A += lanes) {
-          const int row = 3 * (r / dim) + r % dim, column = 3 * (c / dim) + c % dim;
-          Real::load(full + lanes * (9 * row + column)).store(A);
-        }
-      }
+      store_triangle(full, A);
+      A += tangent_entries * lanes;
     });
   }
 
@@ -247,7 +171,7 @@ struct Kernels {
     const Elements elements(packed, pack);
     elements.displacements(u, U);
     elements.gradients(0, G);
-    displacement_gradient(U, G, H);
+    Elements::displacement_gradient(U, G, H);
     material.tangents(H, A);
     const Real weight = elements.weight(0);
 #pragma GCC unroll 3
@@ -304,13 +228,4 @@ struct Kernels {
 };
 
 }  // namespace
-
-template <InstructionSet isa>
-ElementKernels make_element_kernels(int dimension, int nodes) {
-  if (dimension == 2) {
-    return nodes == 3 ? Kernels<3, 1, 2, isa>::all() : Kernels<6, 3, 2, isa>::all();
-  }
-  return nodes == 4 ? Kernels<4, 1, 3, isa>::all() : Kernels<10, 4, 3, isa>::all();
-}
-
 }  // namespace trefoil

@@ -1,8 +1,9 @@
 // Compiled for one instruction set, see CMakeLists.txt.
-#include "element/element_kernels.hpp"
+#include "element/mean_volume_kernels.hpp"
 
 namespace trefoil {
 
-template ElementKernels make_element_kernels<InstructionSet::avx2>(int dimension, int nodes);
+template ElementKernels make_element_kernels<InstructionSet::avx2>(int dimension, int nodes,
+                                                                   ElementPressure pressure);
 
 }  // namespace trefoil

@@ -112,9 +112,10 @@ ElementPacks pack_elements(const ReferenceElement &reference, std::span<const Pe
   return packed;
 }
 
-ElementKernels element_kernels(const ReferenceElement &reference, InstructionSet instructions) {
+ElementKernels element_kernels(const ReferenceElement &reference, ElementPressure pressure,
+                               InstructionSet instructions) {
   return for_instruction_set(instructions, [&]<InstructionSet isa>() {
-    return make_element_kernels<isa>(reference.dimension, reference.nodes);
+    return make_element_kernels<isa>(reference.dimension, reference.nodes, pressure);
   });
 }
 

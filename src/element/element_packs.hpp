@@ -84,12 +84,20 @@ struct ElementKernels {
   void (*expand)(const double *K, double *blocks);
 };
 
+/// How a quadratic element takes the volumetric part U(J) of psi = W(F) + U(J).
+enum class ElementPressure {
+  pointwise,  ///< at each quadrature point
+  constant    ///< at the element's mean of J: P2-P0, mean dilatation
+};
+
 /// The kernels of an element for an instruction set.
+/// @param pressure other than `pointwise` for quadratic elements only; linear ones have one point
 ElementKernels element_kernels(const ReferenceElement &reference,
+                               ElementPressure pressure = ElementPressure::pointwise,
                                InstructionSet instructions = chosen_instruction_set());
 
 /// The same, defined in the file that is compiled for it.
 template <InstructionSet isa>
-ElementKernels make_element_kernels(int dimension, int nodes);
+ElementKernels make_element_kernels(int dimension, int nodes, ElementPressure pressure);
 
 }  // namespace trefoil

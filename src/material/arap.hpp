@@ -24,6 +24,8 @@ class Arap : public LibraryMaterial<Arap>, public SplitMaterial<Arap> {
       : mu_(parameters.constants.mu()),
         kappa_(parameters.volume_weight(name, parameters.constants.lambda())) {}
 
+  [[nodiscard]] double mu() const { return mu_; }
+
   template <class Real>
   VolumetricLaw<Real> volumetric_law(const Real &J_minus_1) const {
     return quadratic_law(kappa_, J_minus_1);
@@ -59,6 +61,6 @@ class Arap : public LibraryMaterial<Arap>, public SplitMaterial<Arap> {
   double mu_, kappa_;
 };
 
-static_assert(SceneMaterial<Arap>);
+static_assert(SceneMaterial<Arap> && VolumeSplittingMaterial<Arap>);
 
 }  // namespace trefoil

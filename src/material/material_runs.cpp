@@ -51,13 +51,26 @@ struct MixedMaterial {
     collect<81>(mixed, A,
                 [&](const Part &part, double *values) { part.material->tangents(H, values); });
   }
+  static void mean_laws(const void *mixed, const double *J_minus_1, double *law) {
+    collect<3>(mixed, law, [&](const Part &part, double *values) {
+      part.material->mean_laws(J_minus_1, values);
+    });
+  }
 };
 
-std::unique_ptr<MaterialModel> make_mixed_model(std::vector<MixedMaterial::Part> parts) {
-  const PackedFunctions functions{MixedMaterial::energy_densities, MixedMaterial::energy_changes,
-                                  MixedMaterial::stresses, MixedMaterial::tangents};
-  return std::make_unique<MaterialModel>(
-      functions, std::make_shared<MixedMaterial>(MixedMaterial{std::move(parts)}));
+std::shared_ptr<const MaterialModel> make_mixed_model(std::vector<MixedMaterial::Part> parts) {
+  PackedFunctions functions{MixedMaterial::energy_densities, MixedMaterial::energy_changes,
+                            MixedMaterial::stresses, MixedMaterial::tangents};
+  std::shared_ptr<const MaterialModel> pointwise;
+  if (std::all_of(parts.begin(), parts.end(),
+                  [](const auto &part) { return part.material->splits_volume(); })) {
+    functions.mean_law = MixedMaterial::mean_laws;
+    std::vector<MixedMaterial::Part> pointwise_parts = parts;
+    for (auto &part : pointwise_parts) part.material = &part.material->pointwise();
+    pointwise = make_mixed_model(std::move(pointwise_parts));
+  }
+  return std::make_shared<MaterialModel>(
+      functions, std::make_shared<MixedMaterial>(MixedMaterial{std::move(parts)}), 0, pointwise);
 }
 
 }  // namespace

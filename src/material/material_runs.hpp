@@ -64,7 +64,7 @@ class MaterialRuns {
   PetscInt cells_ = 0;
   std::vector<int> material_of_cell_;  ///< empty: all have the first
   std::vector<double> stiffness_;
-  std::vector<std::unique_ptr<MaterialModel>> mixed_;
+  std::vector<std::shared_ptr<const MaterialModel>> mixed_;
   std::vector<Run> runs_;
 };
 

@@ -26,6 +26,8 @@ class MooneyRivlin : public LibraryMaterial<MooneyRivlin>, public SplitMaterial<
         c1_(0.5 * parameters.constants.mu() - c2_),
         kappa_(parameters.volume_weight(name, parameters.constants.lambda() + 2 * c1_)) {}
 
+  [[nodiscard]] double mu() const { return 2 * (c1_ + c2_); }
+
   template <class Real>
   VolumetricLaw<Real> volumetric_law(const Real &J_minus_1) const {
     return quadratic_law(kappa_, J_minus_1);
@@ -73,6 +75,6 @@ class MooneyRivlin : public LibraryMaterial<MooneyRivlin>, public SplitMaterial<
   double c2_, c1_, kappa_;
 };
 
-static_assert(SceneMaterial<MooneyRivlin>);
+static_assert(SceneMaterial<MooneyRivlin> && VolumeSplittingMaterial<MooneyRivlin>);
 
 }  // namespace trefoil

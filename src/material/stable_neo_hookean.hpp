@@ -64,6 +64,6 @@ class StableNeoHookean : public LibraryMaterial<StableNeoHookean>,
   double mu_, lambda_;
 };
 
-static_assert(SceneMaterial<StableNeoHookean>);
+static_assert(SceneMaterial<StableNeoHookean> && VolumeSplittingMaterial<StableNeoHookean>);
 
 }  // namespace trefoil

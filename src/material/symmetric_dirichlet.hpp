@@ -25,6 +25,8 @@ class SymmetricDirichlet : public LibraryMaterial<SymmetricDirichlet>,
       : weight_(0.25 * parameters.constants.mu()),
         kappa_(parameters.volume_weight(name, parameters.constants.lambda())) {}
 
+  [[nodiscard]] double mu() const { return 4 * weight_; }
+
   template <class Real>
   VolumetricLaw<Real> volumetric_law(const Real &J_minus_1) const {
     return quadratic_law(kappa_, J_minus_1);
@@ -109,6 +111,6 @@ class SymmetricDirichlet : public LibraryMaterial<SymmetricDirichlet>,
   double weight_, kappa_;
 };
 
-static_assert(SceneMaterial<SymmetricDirichlet>);
+static_assert(SceneMaterial<SymmetricDirichlet> && VolumeSplittingMaterial<SymmetricDirichlet>);
 
 }  // namespace trefoil

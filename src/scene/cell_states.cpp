@@ -9,7 +9,8 @@
 #include <cmath>
 #include <limits>
 
-#include "element/isoparametric_element.hpp"
+#include "element/element_energy.hpp"
+#include "scene/element_pressure.hpp"
 #include "trefoil/deformation.hpp"
 #include "trefoil/polar.hpp"
 
@@ -34,7 +35,9 @@ void add(double factor, const Matrix3<double> &A, Matrix3<double> &sum) {
 
 CellStates::CellStates(const Mesh &mesh, const SceneOptions &options,
                        std::vector<int> region_of_cell)
-    : mesh_(mesh), region_of_cell_(std::move(region_of_cell)) {
+    : mesh_(mesh),
+      pressure_(element_pressure(options)),
+      region_of_cell_(std::move(region_of_cell)) {
   materials_.push_back(make_material(options.material));
   for (const RegionOptions &region : options.regions) {
     materials_.push_back(make_material(region.material));
@@ -51,18 +54,20 @@ void CellStates::visit(
     const PetscInt *node = &mesh_.cells[static_cast<std::size_t>(nodes) * c];
     double displacement[3 * ReferenceElement::most_nodes];
     for (int a = 0; a < nodes; ++a) std::copy_n(u + 3 * node[a], 3, displacement + 3 * a);
+    const ElementEnergy energy(element, material, pressure_, displacement);
     CellState state;
     state.least_determinant = std::numeric_limits<double>::infinity();
     for (int q = 0; q < element.reference().points; ++q) {
       const double weight = element.weight(q);
       const Deformation<double> deformation(element.displacement_gradient(q, displacement));
+      const Matrix3<double> P = energy.stress(q);
       const double J = deformation.J();
       state.volume += weight;
       state.deformed_volume += weight * J;
       state.least_determinant = std::min(state.least_determinant, J);
       add(weight, deformation.F(), state.F);
-      add(weight, material.stress(deformation.H()), state.first_piola);
-      add(weight, material.cauchy_stress(deformation.H()), state.cauchy);
+      add(weight, P, state.first_piola);
+      add(weight, cauchy_stress(deformation, P), state.cauchy);
       add(weight, deformation.green_strain(), state.green_lagrange);
     }
     for (Matrix3<double> *mean :

@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "element/element_packs.hpp"
 #include "mesh/mesh.hpp"
 #include "scene/scene_options.hpp"
 #include "trefoil/material_model.hpp"
@@ -11,7 +12,8 @@
 namespace trefoil {
 
 /// Strain and stress of one cell: means over its quadrature points by rest volume, of which a
-/// linear cell has one.
+/// linear cell has one. Stresses are those of the pressure that the element has, see
+/// ElementPressure.
 struct CellState {
   double volume = 0;               ///< at rest
   double deformed_volume = 0;      ///< negative where the cell is inverted
@@ -43,6 +45,7 @@ class CellStates {
 
  private:
   const Mesh &mesh_;
+  ElementPressure pressure_;
   std::vector<std::unique_ptr<MaterialModel>> materials_;
   std::vector<int> region_of_cell_;
 };

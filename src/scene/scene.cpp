@@ -10,6 +10,7 @@
 #include "scene/bent_cells_check.hpp"
 #include "scene/constraints.hpp"
 #include "scene/contact_scene.hpp"
+#include "scene/element_pressure.hpp"
 #include "scene/loads.hpp"
 #include "scene/regions.hpp"
 #include "support/petsc_compatibility.hpp"
@@ -31,12 +32,16 @@ MeshOptions mesh_options(const SceneOptions &options) {
 }
 
 /// The elastic term of the materials that the options name.
-std::unique_ptr<Term> make_elastic_term(const SceneOptions &options, const Mesh &mesh,
-                                        const std::vector<int> &region_of_cell) {
+PetscErrorCode add_elastic_term(const std::vector<int> &region_of_cell, Scene *scene) {
+  const SceneOptions &options = scene->options;
+  const Mesh &mesh = scene->mesh;
+  std::vector<const MaterialOptions *> named{&options.material};
   std::vector<std::unique_ptr<MaterialModel>> materials;
-  materials.push_back(make_material(options.material));
-  for (const RegionOptions &region : options.regions) {
-    materials.push_back(make_material(region.material));
+  PetscFunctionBeginUser;
+  for (const RegionOptions &region : options.regions) named.push_back(&region.material);
+  for (const MaterialOptions *material : named) {
+    materials.push_back(make_material(*material));
+    PetscCall(check_element_pressure(options, mesh, *material, *materials.back()));
   }
   // Without regions, all cells have the first.
   MaterialRuns runs = options.regions.empty()
@@ -44,7 +49,9 @@ std::unique_ptr<Term> make_elastic_term(const SceneOptions &options, const Mesh 
                           : MaterialRuns(std::move(materials), region_of_cell);
   const auto space =
       options.filter_space == "deformation" ? FilterSpace::deformation : FilterSpace::element;
-  return std::make_unique<ElasticTerm>(mesh, std::move(runs), space);
+  scene->functional->add_term(
+      std::make_unique<ElasticTerm>(mesh, std::move(runs), space, element_pressure(options)));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /// The term of the loads, where the options name any. Keeps `scene`, whose functional owns it.
@@ -173,7 +180,7 @@ PetscErrorCode build_scene(MPI_Comm comm, const SceneOptions &options, Scene *sc
   }
   scene->functional = std::make_unique<EnergyFunctional>(scene->discretization);
   PetscCall(assign_regions(scene->mesh, options.regions, options.where_tolerance, &region_of_cell));
-  scene->functional->add_term(make_elastic_term(options, scene->mesh, region_of_cell));
+  PetscCall(add_elastic_term(region_of_cell, scene));
   PetscCall(add_loads(region_of_cell, scene));
   PetscCheck(
       !scene->discretization.any_turned() || (options.assembly != "hook" && !options.time.is_on),

@@ -43,6 +43,11 @@ std::vector<OptionRow> mesh_rows(SceneOptions &options) {
        "",
        {},
        essential},
+      {"element_pressure",
+       &options.element_pressure,
+       "Quadratic elements take the volume pointwise, or at the element's mean (constant)",
+       "",
+       {"pointwise", "constant"}},
   };
 }
 

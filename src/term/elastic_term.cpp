@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "element/isoparametric_element.hpp"
+#include "element/element_energy.hpp"
 #include "filter/packed_filter.hpp"
 #include "material/spreading.hpp"
 #include "support/petsc_compatibility.hpp"
@@ -43,12 +43,13 @@ std::shared_ptr<const ElementPacks> pack_cells(const Mesh &mesh) {
 }
 
 ElasticTerm::ElasticTerm(const Mesh &mesh, std::shared_ptr<const ElementPacks> packs,
-                         MaterialRuns materials, FilterSpace space)
+                         MaterialRuns materials, FilterSpace space, ElementPressure pressure)
     : mesh_(mesh),
       materials_(std::move(materials)),
       space_(space),
+      pressure_(pressure),
       packs_(std::move(packs)),
-      kernels_(element_kernels(*packs_->reference)) {
+      kernels_(element_kernels(*packs_->reference, pressure)) {
   measure_at_rest();
 }
 
@@ -194,11 +195,11 @@ PetscErrorCode ElasticTerm::add_hessian(const double *u, StencilSink &sink) cons
     int negative = 0;
     std::fill(H.begin(), H.end(), 0);
     std::fill(N.begin(), N.end(), 0);
-    for (int q = 0; q < points; ++q) {
+    const MaterialModel &material = materials_.of_cell(cell);
+    ElementEnergy(element, material, pressure_, displacements).add_hessian(H.data());
+    for (int q = 0; space_ == FilterSpace::deformation && q < points; ++q) {
       Tangent<double> A;
-      materials_.of_cell(cell).tangent(element.displacement_gradient(q, displacements), A);
-      element.add_hessian(q, A, H.data());
-      if (space_ == FilterSpace::element) continue;
+      material.tangent(element.displacement_gradient(q, displacements), A);
       double part[81], negative_part[81];
       int found = 0;
       in_plane_part(dim, A, part);
@@ -219,15 +220,11 @@ void ElasticTerm::describe_cells(const double *u, double *determinant,
                                  double *energy_density) const {
   for_each_element(u, [&](PetscInt cell, const PetscInt *, const IsoparametricElement &element,
                           const double *displacements) {
-    double energy = 0, volume = 0;
-    for (int q = 0; q < packs_->reference->points; ++q) {
-      const Matrix3<double> H = element.displacement_gradient(q, displacements);
-      const double J = Deformation<double>(H).J();
-      determinant[cell] = q == 0 || !(J >= determinant[cell]) ? J : determinant[cell];
-      energy += element.weight(q) * materials_.of_cell(cell).energy_density(H);
-      volume += element.weight(q);
-    }
-    energy_density[cell] = energy / volume;
+    const ElementEnergy state(element, materials_.of_cell(cell), pressure_, displacements);
+    double volume = 0;
+    for (int q = 0; q < packs_->reference->points; ++q) volume += element.weight(q);
+    determinant[cell] = state.least_jacobian();
+    energy_density[cell] = state.energy() / volume;
   });
 }
 

@@ -17,20 +17,25 @@ namespace trefoil {
 std::shared_ptr<const ElementPacks> pack_cells(const Mesh &mesh);
 
 /// The elastic energy of a body of elements of any kind, the sum over their quadrature points of
-/// psi(F) w; in the plane of plane strain.
+/// psi(F) w; in the plane of plane strain. Nearly incompressible bodies of quadratic elements do
+/// better with their volumetric part at the element's mean of J, see ElementPressure.
 class ElasticTerm final : public Term, private PackedElements {
  public:
   /// A body of one material.
-  ElasticTerm(const Mesh &mesh, std::unique_ptr<MaterialModel> material, FilterSpace space)
-      : ElasticTerm(mesh, MaterialRuns(std::move(material), mesh.local_cells()), space) {}
+  ElasticTerm(const Mesh &mesh, std::unique_ptr<MaterialModel> material, FilterSpace space,
+              ElementPressure pressure = ElementPressure::pointwise)
+      : ElasticTerm(mesh, MaterialRuns(std::move(material), mesh.local_cells()), space, pressure) {}
 
   /// A body of several materials.
-  ElasticTerm(const Mesh &mesh, MaterialRuns materials, FilterSpace space)
-      : ElasticTerm(mesh, pack_cells(mesh), std::move(materials), space) {}
+  /// @param pressure other than `pointwise` for quadratic cells of materials that split their
+  ///        volumetric part off, filtered by elements
+  ElasticTerm(const Mesh &mesh, MaterialRuns materials, FilterSpace space,
+              ElementPressure pressure = ElementPressure::pointwise)
+      : ElasticTerm(mesh, pack_cells(mesh), std::move(materials), space, pressure) {}
 
   /// With elements that another term has packed.
   ElasticTerm(const Mesh &mesh, std::shared_ptr<const ElementPacks> packs, MaterialRuns materials,
-              FilterSpace space);
+              FilterSpace space, ElementPressure pressure = ElementPressure::pointwise);
 
   PetscErrorCode add_energy(const double *u, EnergySums *sums) const override;
   [[nodiscard]] double rest_energy() const override { return rest_energy_; }
@@ -63,6 +68,7 @@ class ElasticTerm final : public Term, private PackedElements {
   const Mesh &mesh_;
   MaterialRuns materials_;
   FilterSpace space_;
+  ElementPressure pressure_;
   std::shared_ptr<const ElementPacks> packs_;
   ElementKernels kernels_;
   double stiffness_ = 0;

@@ -43,7 +43,7 @@ Problem::~Problem() {
 }
 
 PetscErrorCode Problem::set_up(const CellList &whole, std::unique_ptr<MaterialModel> material,
-                               const Prescribed &prescribed) {
+                               const Prescribed &prescribed, ElementPressure pressure) {
   PetscFunctionBeginUser;
   PetscCall(distribute_mesh(PETSC_COMM_WORLD, whole, "metis", 0, &mesh));
   HeldDofs held = nothing_held(mesh);
@@ -57,7 +57,8 @@ PetscErrorCode Problem::set_up(const CellList &whole, std::unique_ptr<MaterialMo
   }
   PetscCall(discretization.set_up(mesh, held));
   forces_.assign(mesh.coordinates.size(), 0);
-  auto elastic = std::make_unique<ElasticTerm>(mesh, std::move(material), FilterSpace::element);
+  auto elastic =
+      std::make_unique<ElasticTerm>(mesh, std::move(material), FilterSpace::element, pressure);
   elastic_ = elastic.get();
   functional_ = std::make_unique<EnergyFunctional>(discretization);
   functional_->add_term(std::move(elastic));

@@ -42,7 +42,8 @@ class Problem {
 
   /// Collective.
   PetscErrorCode set_up(const CellList &whole, std::unique_ptr<MaterialModel> material,
-                        const Prescribed &prescribed);
+                        const Prescribed &prescribed,
+                        ElementPressure pressure = ElementPressure::pointwise);
 
   /// Adds the forces of a body force, per rest volume.
   void add_body_force(const VectorField &force);

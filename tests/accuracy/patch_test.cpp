@@ -19,13 +19,17 @@ struct Element {
   const char *name;
   int dimension, order;
   bool bent;  ///< midpoints of inner edges off the middle
+  ElementPressure pressure = ElementPressure::pointwise;
 };
 // No bent tet10: its four points integrate cof(J) times a gradient, a cubic, only nearly.
 const Element elements[] = {{"tri3", 2, 1, false},
                             {"tri6", 2, 2, false},
                             {"tri6_bent", 2, 2, true},
                             {"tet4", 3, 1, false},
-                            {"tet10", 3, 2, false}};
+                            {"tet10", 3, 2, false},
+                            {"tri6_p0", 2, 2, false, ElementPressure::constant},
+                            {"tri6_bent_p0", 2, 2, true, ElementPressure::constant},
+                            {"tet10_p0", 3, 2, false, ElementPressure::constant}};
 
 /// A body of unit length whose inner vertices are out of line.
 CellList distorted_mesh(const Element &element) {
@@ -102,11 +106,13 @@ TEST_P(AccuracyPatchTest, BoundaryOfAHomogeneousDeformation) {
       Problem problem;
       std::vector<double> u;
       const auto material = make();
-      ASSERT_EQ(problem.set_up(mesh_, make(),
-                               [&](const double *p, int i) -> std::optional<double> {
-                                 if (!on_boundary(p, dim_)) return {};
-                                 return target(p, i);
-                               }),
+      ASSERT_EQ(problem.set_up(
+                    mesh_, make(),
+                    [&](const double *p, int i) -> std::optional<double> {
+                      if (!on_boundary(p, dim_)) return {};
+                      return target(p, i);
+                    },
+                    GetParam().pressure),
                 PETSC_SUCCESS);
       ASSERT_EQ(problem.solve(1e-16), PETSC_SUCCESS);
       ASSERT_EQ(problem.displacements(&u), PETSC_SUCCESS);
@@ -162,13 +168,15 @@ TEST_P(AccuracyPatchTest, FreeSidesHaveNoStress) {
       const double side = 0.5 * (low + high);
       Problem problem;
       std::vector<double> u;
-      ASSERT_EQ(problem.set_up(mesh_, make(),
-                               [&](const double *p, int i) -> std::optional<double> {
-                                 const double stretch = pull.stretch[static_cast<std::size_t>(i)];
-                                 if (p[i] < 1e-9) return 0;
-                                 if (stretch != 0 && p[i] > 1 - 1e-9) return stretch - 1;
-                                 return {};
-                               }),
+      ASSERT_EQ(problem.set_up(
+                    mesh_, make(),
+                    [&](const double *p, int i) -> std::optional<double> {
+                      const double stretch = pull.stretch[static_cast<std::size_t>(i)];
+                      if (p[i] < 1e-9) return 0;
+                      if (stretch != 0 && p[i] > 1 - 1e-9) return stretch - 1;
+                      return {};
+                    },
+                    GetParam().pressure),
                 PETSC_SUCCESS);
       ASSERT_EQ(problem.solve(1e-16), PETSC_SUCCESS);
       ASSERT_EQ(problem.displacements(&u), PETSC_SUCCESS);
@@ -202,12 +210,14 @@ TEST_P(AccuracyPatchTest, StableNeoHookeanInClosedForm) {
                         0.5 * lambda * (J - alpha) * (J - alpha);
   Problem problem;
   std::vector<double> u;
-  ASSERT_EQ(problem.set_up(mesh_, make_material_model(material),
-                           [&](const double *p, int i) -> std::optional<double> {
-                             if (p[i] < 1e-9) return 0;
-                             if (i == dim_ - 1 && p[i] > 1 - 1e-9) return pull - 1;
-                             return {};
-                           }),
+  ASSERT_EQ(problem.set_up(
+                mesh_, make_material_model(material),
+                [&](const double *p, int i) -> std::optional<double> {
+                  if (p[i] < 1e-9) return 0;
+                  if (i == dim_ - 1 && p[i] > 1 - 1e-9) return pull - 1;
+                  return {};
+                },
+                GetParam().pressure),
             PETSC_SUCCESS);
   ASSERT_EQ(problem.solve(1e-16), PETSC_SUCCESS);
   ASSERT_EQ(problem.displacements(&u), PETSC_SUCCESS);

@@ -53,6 +53,11 @@ inline StableNeoHookean soft_material() {
   return StableNeoHookean({2.0, 0.4}, StableNeoHookean::Lame::physical);
 }
 
+/// Of which elements with a pressure of their own take most of the volume at its mean.
+inline StableNeoHookean nearly_incompressible_material() {
+  return StableNeoHookean({2.0, 0.49}, StableNeoHookean::Lame::physical);
+}
+
 struct Body {
   Mesh mesh;
   Discretization discretization;
@@ -61,7 +66,8 @@ struct Body {
 
   /// Collective. Held components are moved as `moved` says.
   PetscErrorCode set_up(MPI_Comm comm, const CellList &whole, const Holding &holding,
-                        const Field &moved = crumpled, FilterSpace space = FilterSpace::element) {
+                        const Field &moved = crumpled, FilterSpace space = FilterSpace::element,
+                        ElementPressure pressure = ElementPressure::pointwise) {
     PetscFunctionBeginUser;
     PetscCall(distribute_mesh(comm, whole, "metis", 0, &mesh));
     held = nothing_held(mesh);
@@ -75,8 +81,9 @@ struct Body {
     }
     PetscCall(discretization.set_up(mesh, held));
     functional = std::make_unique<EnergyFunctional>(discretization);
-    auto material = make_material_model(soft_material());
-    functional->add_term(std::make_unique<ElasticTerm>(mesh, std::move(material), space));
+    auto material = make_material_model(
+        pressure == ElementPressure::constant ? nearly_incompressible_material() : soft_material());
+    functional->add_term(std::make_unique<ElasticTerm>(mesh, std::move(material), space, pressure));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
 

@@ -1,6 +1,6 @@
-// Triangles and quadratic elements on meshes: energy, gradient, H and N as derivatives of each
-// other, the batched path as the plain one, and the same on every number of ranks. Needs
-// petsc_main.cpp.
+// Triangles and quadratic elements on meshes, with pressures of their own too: energy, gradient, H
+// and N as derivatives of each other, the batched path as the plain one, and the same on every
+// number of ranks. Needs petsc_main.cpp.
 
 #include "body.hpp"
 #include "matrix3_support.hpp"
@@ -16,6 +16,7 @@ struct ElementScene {
   bool bent;  ///< midpoints of edges off the middle
   Holding holding;
   FilterSpace space;
+  ElementPressure pressure = ElementPressure::pointwise;
 
   friend std::ostream &operator<<(std::ostream &stream, const ElementScene &scene) {
     return stream << scene.name;
@@ -41,7 +42,13 @@ const std::vector<ElementScene> element_scenes{
     {"tet10", "box", 2, 2, false, bottom, FilterSpace::element},
     {"tet10_bent", "box", 2, 2, true, bottom, FilterSpace::element},
     {"tet10_components", "box", 2, 2, false, bottom_and_sides, FilterSpace::element},
-    {"tet10_deformation", "box", 2, 2, true, nothing, FilterSpace::deformation}};
+    {"tet10_deformation", "box", 2, 2, true, nothing, FilterSpace::deformation},
+    {"tri6_p0", "square", 4, 2, false, left, FilterSpace::element, ElementPressure::constant},
+    {"tri6_bent_p0", "square", 4, 2, true, nothing, FilterSpace::element,
+     ElementPressure::constant},
+    {"tet10_p0", "box", 2, 2, false, bottom, FilterSpace::element, ElementPressure::constant},
+    {"tet10_components_p0", "box", 2, 2, true, bottom_and_sides, FilterSpace::element,
+     ElementPressure::constant}};
 
 CellList make_mesh(const ElementScene &scene) {
   CellList mesh = generate_mesh(scene.mesh, scene.resolution, 0);
@@ -62,7 +69,8 @@ double wavy(const double *p, int i) {
 class ElementSceneTest : public testing::TestWithParam<ElementScene> {
  protected:
   [[nodiscard]] PetscErrorCode set_up(MPI_Comm comm, Body *body) const {
-    return body->set_up(comm, make_mesh(GetParam()), GetParam().holding, wavy, GetParam().space);
+    return body->set_up(comm, make_mesh(GetParam()), GetParam().holding, wavy, GetParam().space,
+                        GetParam().pressure);
   }
 };
 

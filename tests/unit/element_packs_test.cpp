@@ -201,7 +201,8 @@ class ElementPacksTest : public testing::TestWithParam<Case> {
   const Kind kind_ = std::get<0>(GetParam());
   const Heap heap_{kind_, 3};
   const ElementPacks packs_ = pack_elements(heap_.reference, heap_.cells, heap_.coordinates);
-  const ElementKernels kernels_ = element_kernels(*packs_.reference, std::get<1>(GetParam()));
+  const ElementKernels kernels_ =
+      element_kernels(*packs_.reference, ElementPressure::pointwise, std::get<1>(GetParam()));
   const std::unique_ptr<MaterialModel> model_ =
       make_material_model(material, std::get<1>(GetParam()));
 

@@ -116,7 +116,8 @@ struct Batched {
 
   Batched(const Heap &heap, const MaterialModel &material, InstructionSet instructions) {
     const ElementPacks tets = heap.packs();
-    const ElementKernels kernels = element_kernels(*tets.reference, instructions);
+    const ElementKernels kernels =
+        element_kernels(*tets.reference, ElementPressure::pointwise, instructions);
     const auto add_blocks = add_blocks_kernel(*tets.reference, instructions);
     double sums[2] = {0, 0};
     kernels.energy(material, tets, 0, tets.packs(), heap.u.data(), sums);

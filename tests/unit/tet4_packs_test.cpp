@@ -25,8 +25,9 @@ class Tet4PacksTest : public testing::TestWithParam<InstructionSet> {
   static void add_blocks(const BlockSums &sums, PetscInt first, PetscInt count, const double *K,
                          const int *chosen, double *const arrays[3]) {
     const ReferenceElement &tet4 = reference_element(3, 4);
-    add_blocks_kernel(tet4, GetParam())(sums, element_kernels(tet4, GetParam()).expand, first,
-                                        count, K, chosen, arrays);
+    add_blocks_kernel(tet4, GetParam())(
+        sums, element_kernels(tet4, ElementPressure::pointwise, GetParam()).expand, first, count, K,
+        chosen, arrays);
   }
 };
 
