@@ -38,7 +38,7 @@ def rows(name, options, rules):
         seconds_of_first = seconds_of_first or seconds
         indefinite = sum(entry["refused"] for entry in record["history"])
         counts = [result["iterations"], result["truncated"], result["linear_solves"],
-                  f"{result['factorisations']}{f' + {indefinite}' if indefinite else ''}"]
+                  f"{result['factorisations'] - indefinite}{f' + {indefinite}' if indefinite else ''}"]
         end = [f"{seconds / seconds_of_first:.2f}", f"{result['energy']:.6g}",
                "" if result["converged"] else f"ends at t = {record['steps'][-1]['t']:.3g}"]
         print("| " + " | ".join(map(str, [f"{name}, {record['mesh']['elements']}", f"`{rule}`",

@@ -26,7 +26,7 @@ struct SolveRecord {
   int iterations = 0;         ///< Jacobians that were solved with
   int linear_solves = 0;      ///< those of Shamanskii steps included
   int krylov_iterations = 0;  ///< of all linear solves, Shamanskii steps' included
-  int factorisations = 0;     ///< set-ups of the preconditioner; factorisations where it is direct
+  int factorisations = 0;     ///< set-ups of the preconditioner, those of refused Jacobians as well
   StationaryPoint end = StationaryPoint::unknown;
   int saddles_left = 0;  ///< along negative curvature, after the stop test was met
   /// g'H^-1 g / 2 at the end, with the unfiltered Hessian: how far above its minimum the energy

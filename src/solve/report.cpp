@@ -79,8 +79,7 @@ PetscErrorCode fill_report(Scene &scene, const SolveOutcome &outcome, const Stat
   if (report->energy_is_made) {
     report->warnings.push_back(
         "the total energy has risen although nothing drives the scene, so the motion is wrong: "
-        "take "
-        "-time_integrator bdf2 or backward_euler, which damp, or a shorter -time_step");
+        "take -time_integrator bdf2 or backward_euler, which damp, or a shorter -time_step");
   }
   if (outcome.inverted > 0) {
     report->warnings.push_back(std::to_string(outcome.inverted) +

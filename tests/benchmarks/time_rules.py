@@ -54,8 +54,8 @@ def cell(record, seconds):
     if record is None:
         return f"not in {seconds} s"
     result, history = record["result"], record["history"]
-    text = f"{result['iterations'] / STEPS:.1f} / {result['factorisations'] / STEPS:.1f}"
     failed = sum(entry["refused"] for entry in history)  # factorisations of indefinite matrices
+    text = f"{result['iterations'] / STEPS:.1f} / {(result['factorisations'] - failed) / STEPS:.1f}"
     text += f" + {failed / STEPS:.1f}" if failed else ""
     steps = len(record["steps"]) - 1
     text += f", {steps} steps" if steps > STEPS else ""
