@@ -147,11 +147,11 @@ void Flattener::add_mapping(const yaml_node_t *map, const std::string &prefix, b
     if (last == "<<" || last.rfind("$$", 0) == 0) continue;
     if (value->type == YAML_MAPPING_NODE && prefix.empty() && singular.count(last)) {
       add_named(last, value);
-    } else if (value->type == YAML_MAPPING_NODE) {
+    } else if (value->type == YAML_MAPPING_NODE && !pairs_of(value).empty()) {
       add_mapping(value, name + "_", is_merged);
     } else if (value->type == YAML_SEQUENCE_NODE) {
       add_sequence(name, value, is_merged);
-    } else if (is_null(value)) {
+    } else if (value->type == YAML_MAPPING_NODE || is_null(value)) {  // {} says as little
       add(key, name, nullptr, is_merged);
     } else {
       const std::string text = text_of(value);
