@@ -52,8 +52,7 @@ std::string find_endless_descent(const SolveRecord &record) {
   }
   if (!(before > 0 && record.current.gradient_norm > endless * before)) return "";
   return "the energy falls faster and faster and the residual has grown a million times: the step "
-         "is "
-         "too long for a solve without an energy to compare (SNESSetObjective()), or signs are "
+         "is too long for a solve without an energy to compare (SNESSetObjective()), or signs are "
          "turned round (SNESSetFunction() wants plus the gradient of the energy to minimise, and "
          "SNESSetJacobian() plus its Hessian)";
 }

@@ -1,6 +1,5 @@
 #include "solve/time_walk.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <sstream>
 #include <utility>
@@ -12,23 +11,11 @@
 #include "solve/start.hpp"
 #include "solve/start_check.hpp"
 #include "solve/time_steps.hpp"
+#include "solve/time_tolerance.hpp"
 #include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
 namespace {
-
-/// Directions end no step where they are longer, however long the step is: as a share of the box's
-/// diagonal. A velocity times a long step would be no tolerance at all.
-constexpr double longest_tolerated = 1e-3;
-
-/// The velocity below which a step's directions need not go on. Friction holds by slips of less
-/// than its slip velocity: the solver must resolve those, or it ends at rest where bodies slide.
-double tolerated_velocity(const Scene &scene) {
-  constexpr double share_of_slip = 0.03;
-  const double asked = scene.options.time.tolerated_velocity(box_of(scene.mesh).diagonal());
-  if (!scene.contact || !scene.contact->has_friction()) return asked;
-  return std::min(asked, share_of_slip * scene.contact->parameters().slip_velocity);
-}
 
 class TimeWalk {
  public:
@@ -40,8 +27,7 @@ class TimeWalk {
         outcome_(outcome),
         comm_(PetscObjectComm(reinterpret_cast<PetscObject>(scene.mesh.dm))),
         options_(scene.options.time),
-        diagonal_(box_of(scene.mesh).diagonal()),
-        tolerated_velocity_(tolerated_velocity(scene)),
+        tolerance_(scene),
         steps_(*options_.end, *options_.step, options_.shortest_step()),
         solver_(scene),
         contact_(scene) {}
@@ -53,7 +39,6 @@ class TimeWalk {
   PetscErrorCode save(SavedRun *run) const;
   PetscErrorCode say_end() const;
   PetscErrorCode go_on();
-  PetscErrorCode say_tolerance() const;
   PetscErrorCode say_step() const;
   PetscErrorCode solve_here(Attempt *attempt);
   PetscErrorCode move_prescribed(Attempt *attempt, bool *arrived);
@@ -66,7 +51,7 @@ class TimeWalk {
   SolveOutcome *outcome_;
   MPI_Comm comm_;
   const TimeOptions &options_;
-  double diagonal_, tolerated_velocity_;
+  TimeTolerance tolerance_;
   TimeSteps steps_;
   SceneSolver solver_;
   ContactPath contact_;
@@ -88,33 +73,6 @@ PetscErrorCode TimeWalk::start() {
   PetscCall(check_start(scene_, sums.energy));
   PetscCall(scene_.motion->accelerate());
   PetscCall(observe_(0, 0, false));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode TimeWalk::say_tolerance() const {
-  const bool is_absolute = options_.absolute_velocity_tolerance.has_value();
-  const double asked = options_.tolerated_velocity(diagonal_);
-  std::ostringstream text;
-  PetscFunctionBeginUser;
-  if (tolerated_velocity_ > 0) {
-    text << "a step in time ends where the direction over its length is below "
-         << tolerated_velocity_;
-    if (tolerated_velocity_ < asked) {
-      text << " (a share of -contact_slip_velocity, which friction needs)";
-    } else if (is_absolute) {
-      text << " (-time_velocity_tolerance_absolute, in length per time)";
-    } else {
-      text << " (-time_velocity_tolerance, " << options_.velocity_tolerance
-           << " of the box's diagonal per time)";
-    }
-    if (tolerated_velocity_ * *options_.step > longest_tolerated * diagonal_) {
-      text << ", and the direction itself below " << longest_tolerated * diagonal_ << " ("
-           << longest_tolerated << " of the diagonal): the steps are long";
-    }
-  } else {
-    text << "a step in time ends by its energy alone: the velocity tolerance is 0";
-  }
-  PetscCall(PetscPrintf(comm_, "%s\n", text.str().c_str()));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -243,8 +201,7 @@ PetscErrorCode TimeWalk::take_step(Attempt *attempt) {
   PetscCall(scene_.motion->begin_step(steps_.length(), steps_.next()));
   if (contact_.exists()) PetscCall(move_prescribed(attempt, &arrived));
   if (!arrived) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(solver_.set_direction_tolerance(
-      std::min(tolerated_velocity_ * steps_.length(), longest_tolerated * diagonal_)));
+  PetscCall(solver_.set_direction_tolerance(tolerance_.of_step(steps_.length())));
   while (again) {
     PetscCall(solve_here(attempt));
     again = contact_.exists() && attempt->converged;
@@ -277,7 +234,7 @@ PetscErrorCode TimeWalk::go() {
   checkpoint_.save_way([this](SavedRun *run) { return save(run); });
   PetscCall(checkpoint_.start() ? go_on() : start());
   PetscCall(solver_.watch(checkpoint_, false));
-  if (!steps_.is_done()) PetscCall(say_tolerance());
+  if (!steps_.is_done()) PetscCall(PetscPrintf(comm_, "%s\n", tolerance_.text().c_str()));
   while (!steps_.is_done() && goes_on) {
     Attempt attempt;
     PetscCall(take_step(&attempt));
