@@ -99,7 +99,7 @@ class ContactTest(unittest.TestCase):
         return records
 
     def refused(self, options, *words):
-        for ranks in (1, 3):
+        for ranks in (1, 2, 3):
             result = run(options, ranks, self.folder)
             self.assertEqual(result.returncode, 1, result.stdout)
             self.assertEqual(result.stdout.count("trefoil: "), 1, result.stdout)
@@ -109,7 +109,9 @@ class ContactTest(unittest.TestCase):
 
 class HalfSpace(ContactTest):
     def test_a_block_pressed_onto_a_floor_on_any_ranks(self):
-        result = self.on_any_ranks(PRESSED)[-1]["result"]
+        results = [record["result"] for record in self.on_any_ranks(PRESSED)]
+        for result in results:
+            self.assertAlmostEqual(result["energy"] / results[0]["energy"], 1, delta=1e-12)
         self.assertGreater(result["truncated"], 0)
         self.assertGreater(result["contact_energy"], 0)
         self.assertLess(0, result["min_gap"])
