@@ -9,8 +9,9 @@ namespace trefoil {
 
 /// What a starting guess cost.
 struct GuessCost {
-  PetscInt linear_solves = 0;  ///< with scalar matrices, of one component each
-  PetscInt rotations = 0;      ///< local/global steps
+  PetscInt linear_solves = 0;      ///< with scalar matrices, of one component each
+  PetscInt linear_iterations = 0;  ///< of conjugate gradients, in all of them
+  PetscInt rotations = 0;          ///< local/global steps
   double seconds = 0;
 };
 
@@ -30,8 +31,11 @@ PetscErrorCode spread_displacements(const EnergyFunctional &functional,
                                     PetscInt rotation_steps, bool iterative, Progress &progress,
                                     Vec x, GuessCost *cost);
 
+/// Of the residual, where nothing is made of the guess before the energy's own steps.
+inline constexpr PetscReal guess_tolerance = 1e-4;
+
 /// A solver for symmetric positive definite matrices, whose options begin with -guess_: direct, or
-/// conjugate gradients with multigrid.
-PetscErrorCode set_guess_solver(KSP ksp, bool iterative);
+/// conjugate gradients with multigrid to a tolerance.
+PetscErrorCode set_guess_solver(KSP ksp, bool iterative, PetscReal tolerance = guess_tolerance);
 
 }  // namespace trefoil

@@ -30,14 +30,14 @@ struct Guess {
   GuessCost cost;
 
   PetscErrorCode make(MPI_Comm comm, const Holding &holding, const Field &moved, PetscInt steps,
-                      const char *mesh = "box") {
+                      const char *mesh = "box", PetscInt resolution = 4, bool iterative = false) {
     Progress silent;
     PetscFunctionBeginUser;
-    PetscCall(body.set_up(comm, generate_mesh(mesh, 4, 0), holding, moved));
+    PetscCall(body.set_up(comm, generate_mesh(mesh, resolution, 0), holding, moved));
     PetscCall(body.discretization.create_vector(&x));
     PetscCall(body.discretization.create_matrix(&H));
-    PetscCall(spread_displacements(*body.functional, body.discretization, H, steps, false, silent,
-                                   x, &cost));
+    PetscCall(spread_displacements(*body.functional, body.discretization, H, steps, iterative,
+                                   silent, x, &cost));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   /// Largest distance from a field, over the unknowns.
@@ -111,6 +111,17 @@ TEST(GuessTest, RigidStepsFindARotation) {
   Guess guess;
   ASSERT_EQ(guess.make(PETSC_COMM_WORLD, surface, turned, 200), PETSC_SUCCESS);
   EXPECT_LT(guess.distance(turned), 1e-10);
+}
+
+TEST(GuessTest, ConjugateGradientsTakeFewIterationsAStep) {
+  const Field twisted = [](const double *p, int i) { return rotated(p, i, 2 * p[2]); };
+  Guess direct, iterative;
+  ASSERT_EQ(direct.make(PETSC_COMM_WORLD, ends, twisted, 20, "box", 10), PETSC_SUCCESS);
+  ASSERT_EQ(iterative.make(PETSC_COMM_WORLD, ends, twisted, 20, "box", 10, true), PETSC_SUCCESS);
+  EXPECT_EQ(iterative.cost.linear_solves, direct.cost.linear_solves);
+  EXPECT_LE(iterative.cost.linear_iterations, 4 * iterative.cost.linear_solves);
+  const double least = direct.energy(Spreading::rigid);
+  EXPECT_NEAR(iterative.energy(Spreading::rigid), least, 1e-3 * least);
 }
 
 TEST(GuessTest, EachRigidStepLowersTheEnergy) {
