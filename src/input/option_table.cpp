@@ -137,9 +137,10 @@ PetscErrorCode OptionReader::read(const OptionRow &row) {
   // Not PetscOptionsGetString: it cuts a long expression off without a word.
   PetscCall(PetscOptionsFindPair(nullptr, nullptr, ("-" + row.name).c_str(), &given, &is_set));
   if (!is_set) PetscFunctionReturn(PETSC_SUCCESS);
-  const std::string problem =
-      std::visit(Parser{row, trimmed(given ? given : ""), given != nullptr}, row.target);
+  const std::string text = trimmed(given ? given : "");
+  const std::string problem = std::visit(Parser{row, text, given != nullptr}, row.target);
   PetscCheck(problem.empty(), comm_, PETSC_ERR_USER_INPUT, "%s", problem.c_str());
+  given_[row.name] = text;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

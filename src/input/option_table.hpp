@@ -2,6 +2,7 @@
 
 #include <petscsys.h>
 
+#include <map>
 #include <optional>
 #include <set>
 #include <string>
@@ -39,10 +40,13 @@ class OptionReader {
   PetscErrorCode read(const OptionRow &row);
   PetscErrorCode read(const std::vector<OptionRow> &rows);
   [[nodiscard]] const std::set<std::string> &known() const { return known_; }
+  /// Texts of those that were given, by name.
+  [[nodiscard]] const std::map<std::string, std::string> &given() const { return given_; }
 
  private:
   MPI_Comm comm_;
   std::set<std::string> known_;
+  std::map<std::string, std::string> given_;
 };
 
 /// A default as the help shows it: a text, a number, true, a list; empty where there is none.

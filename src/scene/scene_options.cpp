@@ -292,6 +292,7 @@ PetscErrorCode read_scene_options(MPI_Comm comm, SceneOptions *options) {
   PetscCall(reader.read(solver_rows(*options)));
   PetscCall(refuse_unknown(comm, reader.known()));
   PetscCall(check_values(comm, *options));
+  options->given = reader.given();
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

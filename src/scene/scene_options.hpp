@@ -2,6 +2,7 @@
 
 #include <petscsys.h>
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -112,7 +113,8 @@ struct SceneOptions {
   CheckpointOptions checkpoint;
   std::vector<ProbeOptions> probes;
   std::string record_file;  ///< -snes_trefoil_record; the program completes and writes it
-  std::vector<std::string> scene_files;  ///< what the program has read: not to be written over
+  std::map<std::string, std::string> given;  ///< options of a scene that were given, by name
+  std::vector<std::string> scene_files;      ///< what the program has read: not to be written over
 };
 
 /// Reads the scene from PETSc's options. Misspelt names and values out of range are errors with one

@@ -7,6 +7,7 @@
 #include <initializer_list>
 
 #include "scene/initial_displacement.hpp"
+#include "solve/scene_changes.hpp"
 #include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
@@ -70,6 +71,7 @@ PetscErrorCode Checkpoint::open() {
     start_.emplace();
     PetscCall(files_.read(options.restart_file, &*start_));
     PetscCall(check_kind());
+    PetscCall(warn_of_changes());
   }
   if (!is_on()) PetscFunctionReturn(PETSC_SUCCESS);
   struct sigaction action {};
@@ -91,6 +93,20 @@ PetscErrorCode Checkpoint::check_kind() const {
              scene_.options.checkpoint.restart_file.c_str(),
              there == "time" ? "in time" : "without time",
              here == "time" ? "one in time" : "one without time");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// A run goes on with what it is given, and says where that is not what the file's run had.
+PetscErrorCode Checkpoint::warn_of_changes() {
+  std::map<std::string, std::string> there;
+  PetscFunctionBeginUser;
+  if (!start_->numbers.contains("scene")) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(take([&](const Json &numbers) { numbers.at("scene").get_to(there); }));
+  const std::string changes = differences(there, options_of_energy(scene_.options.given));
+  if (!changes.empty()) {
+    scene_.warnings.push_back("the run goes on from one of another scene, " +
+                              scene_.options.checkpoint.restart_file + ": " + changes);
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -134,6 +150,7 @@ PetscErrorCode Checkpoint::save(const Part &solve) {
   PetscFunctionBeginUser;
   if (!is_on()) PetscFunctionReturn(PETSC_SUCCESS);
   run.numbers["kind"] = kind_of(scene_);
+  run.numbers["scene"] = options_of_energy(scene_.options.given);
   for (const Part *part : std::initializer_list<const Part *>{&results_, &way_, &solve}) {
     if (*part) PetscCall((*part)(&run));
   }

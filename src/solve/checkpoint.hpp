@@ -55,6 +55,7 @@ class Checkpoint {
 
  private:
   PetscErrorCode check_kind() const;
+  PetscErrorCode warn_of_changes();
   PetscErrorCode wish(bool counts, int *wish);
   [[nodiscard]] MPI_Comm comm() const;
 

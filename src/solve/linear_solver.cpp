@@ -37,7 +37,8 @@ PetscErrorCode name_of(PC pc, const std::string &kind, std::string *name) {
 }
 
 /// Bytes of the factor after its analysis; 0 where the package does not tell.
-PetscErrorCode bytes_of_factor(Mat factor, const std::string &package, double *bytes) {
+PetscErrorCode bytes_of_factor([[maybe_unused]] Mat factor,
+                               [[maybe_unused]] const std::string &package, double *bytes) {
   PetscFunctionBeginUser;
   *bytes = 0;
 #if defined(PETSC_HAVE_SUITESPARSE)

@@ -285,6 +285,13 @@ class Refused(RestartTest):
         self.refused([*SWINGING, "-time_end", "1", "-mesh_resolution", "4", "-restart", "run.ckpt"],
                      "without time")
 
+    def test_another_material_is_said(self):
+        self.solve([*HARD, *MOMENT])
+        self.assertEqual(self.solve([*HARD, "-restart", "run.ckpt"])["result"]["warnings"], [])
+        other = self.solve([*HARD, "-material_young", "2e6", "-restart", "run.ckpt"])
+        self.assertIn("-material_young", other["result"]["warnings"][0])
+        self.assertIn("2e6 here", other["result"]["warnings"][0])
+
     def test_options(self):
         self.refused([*HARD, "-restart", "a.ckpt", "-initial", "file", "-initial_file", "b.ckpt"],
                      "give one", ranks=(1,))
