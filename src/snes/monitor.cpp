@@ -2,10 +2,21 @@
 
 #include <cmath>
 #include <cstdio>
+#include <string>
 
 #include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
+namespace {
+
+/// What an iteration has not got is a dash.
+std::string text_of(double value, const char *format) {
+  char text[32] = "-";
+  if (std::isfinite(value)) std::snprintf(text, sizeof text, format, value);
+  return text;
+}
+
+}  // namespace
 
 PetscErrorCode print_iteration(MPI_Comm comm, const IterationRecord &iteration,
                                double energy_offset) {
@@ -15,15 +26,13 @@ PetscErrorCode print_iteration(MPI_Comm comm, const IterationRecord &iteration,
                           "|gradient|", "weight", "decrement", "rho", "step", "trials", "solves",
                           "indef", "seconds"));
   }
-  char rho[16] = "-", indefinite[16] = "-";
-  if (std::isfinite(iteration.rho)) std::snprintf(rho, sizeof rho, "%.4f", iteration.rho);
-  if (std::isfinite(iteration.indefinite)) {
-    std::snprintf(indefinite, sizeof indefinite, "%.0f%%", 100 * iteration.indefinite);
-  }
-  PetscCall(PetscPrintf(comm, "%4d %21.14e %10.3e %7.3f %10.3e %8s %6.3f %6d %6d %5s %8.2f\n",
+  const std::string decrement = text_of(iteration.decrement, "%.3e"),
+                    rho = text_of(iteration.rho, "%.4f"),
+                    indefinite = text_of(100 * iteration.indefinite, "%.0f%%");
+  PetscCall(PetscPrintf(comm, "%4d %21.14e %10.3e %7.3f %10s %8s %6.3f %6d %6d %5s %8.2f\n",
                         iteration.k, iteration.energy + energy_offset, iteration.gradient_norm,
-                        iteration.weight, iteration.decrement, rho, iteration.step,
-                        iteration.trials, 1 + iteration.shamanskii_steps, indefinite,
+                        iteration.weight, decrement.c_str(), rho.c_str(), iteration.step,
+                        iteration.trials, 1 + iteration.shamanskii_steps, indefinite.c_str(),
                         iteration.seconds));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

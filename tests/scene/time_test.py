@@ -277,6 +277,14 @@ class Steps(unittest.TestCase):
                     self.assertEqual(iterations(1.01 * size, components, *more, ranks=ranks), 1)
                     self.assertEqual(iterations(0.99 * size, components, *more, ranks=ranks), 2)
 
+    def test_what_an_iteration_lacks_is_a_dash(self):
+        """A step that ends before its last direction is known has no decrement to print."""
+        record = record_of([*BOX, *SOFT, *GRAVITY, "-snes_trefoil_energy_tolerance", "1e-26",
+                            "-time_velocity_tolerance", "1e-13", *timed(0.2, 0.1)])
+        rows = [line.split() for line in record["printed"].splitlines() if len(line.split()) == 11]
+        self.assertIn("-", [row[4] for row in rows])
+        self.assertNotIn("nan", record["printed"])
+
     def test_long_steps_are_not_ended_by_their_length(self):
         """A body pulled so slowly that inertia does not matter, in steps that are long in units of time:
         the states of rest, and a line says what bounds the direction."""
