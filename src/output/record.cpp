@@ -69,6 +69,9 @@ void add_contact(const ContactState &contact, Json &json) {
   json["contact_distance"] = contact.distance;
   json["contact_stiffening"] = contact.stiffening;
   json["friction_iterations"] = contact.friction_iterations;
+  if (contact.friction_force > 0) {
+    json["friction_change"] = number(contact.friction_change / contact.friction_force);
+  }
 }
 
 Json state_json(const RunReport &report, const StateReport &state) {
@@ -170,6 +173,8 @@ Json make_record(const RunReport &report) {
   result["energy_scale"] = report.energy_scale;
   if (report.energy_rise) result["energy_rise"] = number(*report.energy_rise);
   if (report.energy_is_made) result["energy_is_made"] = true;
+  if (report.friction_lag) result["friction_lag"] = number(*report.friction_lag);
+  if (report.friction_is_late) result["friction_is_late"] = true;
   result["guess_linear_solves"] = report.guess_linear_solves;
   result["inverted"] = report.inverted;
   result["path_halvings"] = report.path_halvings;

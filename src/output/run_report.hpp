@@ -57,6 +57,8 @@ struct ContactState {
   double stiffening = 1;        ///< times the stiffness that was asked for
   PetscInt64 pairs = 0;         ///< nearer than the contact distance
   int friction_iterations = 0;  ///< solves with other forces of friction
+  double friction_force = 0;    ///< summed over the vertices
+  double friction_change = 0;   ///< of it, if friction had this state's own normal forces
 };
 
 /// How a body moves at the end of a step in time.
@@ -112,8 +114,10 @@ struct RunReport {
   std::string failure;  ///< why the way in load steps did not get to t = 1; empty: it did
   std::vector<std::string> warnings;
   double energy_rest = 0, energy_scale = 0;
-  std::optional<double> energy_rise = {};  ///< in time, of the total energy; a share of its scale
-  bool energy_is_made = false;             ///< that rise comes from nothing
+  std::optional<double> energy_rise = {};   ///< in time, of the total energy; a share of its scale
+  bool energy_is_made = false;              ///< that rise comes from nothing
+  std::optional<double> friction_lag = {};  ///< change of friction over friction, of all states
+  bool friction_is_late = false;            ///< so much that results are doubtful
   PetscInt guess_linear_solves = 0;
   PetscInt64 inverted = 0;  ///< at the end
   int path_halvings = 0;    ///< of steps on a path of the program's own accord

@@ -33,9 +33,14 @@ std::vector<Resultant> load_resultants(const Json &json) {
 }
 
 Json save(const ContactState &contact) {
-  return {{"energy", contact.energy},     {"least_gap", contact.least_gap},
-          {"distance", contact.distance}, {"stiffening", contact.stiffening},
-          {"pairs", contact.pairs},       {"friction_iterations", contact.friction_iterations}};
+  return {{"energy", contact.energy},
+          {"least_gap", contact.least_gap},
+          {"distance", contact.distance},
+          {"stiffening", contact.stiffening},
+          {"pairs", contact.pairs},
+          {"friction_iterations", contact.friction_iterations},
+          {"friction_force", contact.friction_force},
+          {"friction_change", contact.friction_change}};
 }
 
 ContactState load_contact(const Json &json) {
@@ -47,6 +52,8 @@ ContactState load_contact(const Json &json) {
   contact.stiffening = json.at("stiffening");
   contact.pairs = json.at("pairs");
   contact.friction_iterations = json.at("friction_iterations");
+  contact.friction_force = json.value("friction_force", 0.);
+  contact.friction_change = json.value("friction_change", 0.);
   return contact;
 }
 

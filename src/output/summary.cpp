@@ -56,6 +56,13 @@ std::string verdict(const Json &record) {
                     100 * number(result["energy_rise"])) +
             "-time_integrator bdf2 and backward_euler damp, or a shorter -time_step is needed";
   }
+  if (result.value("friction_is_late", false)) {
+    text += text_of(
+                "; WARNING: friction lags: with its own state's normal forces it would differ "
+                "by %.0f %%: ",
+                100 * number(result["friction_lag"])) +
+            "-contact_friction_iterations 3 (-1: until they fit) or shorter steps are needed";
+  }
   const bool in_time = result.contains("kinetic_energy");  // each step is near its own minimum
   if (result["converged"].get<bool>() && result["minimum"].is_null() && !in_time) {
     text += "; unverified: whether this is a minimum is not known";

@@ -153,8 +153,14 @@ PetscErrorCode describe_state(Scene &scene, double t, StateReport *state) {
   if (scene.contact) {
     ContactReport contact;
     PetscCall(scene.contact->report(u, &contact));
-    state->contact = {contact.energy,     contact.gap,   scene.contact->parameters().distance,
-                      contact.stiffening, contact.pairs, contact.friction_solves};
+    state->contact = {.energy = contact.energy,
+                      .least_gap = contact.gap,
+                      .distance = scene.contact->parameters().distance,
+                      .stiffening = contact.stiffening,
+                      .pairs = contact.pairs,
+                      .friction_iterations = contact.friction_solves,
+                      .friction_force = contact.friction_force,
+                      .friction_change = contact.friction_change};
   }
   PetscCall(scene.discretization.restore_local(&local, &u));
   state->energy = sums.energy + energy_rest;

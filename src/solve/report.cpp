@@ -6,6 +6,9 @@
 namespace trefoil {
 namespace {
 
+/// A share of friction. Reactions are off by a tenth of it or less (tests/contact).
+constexpr double tolerated_friction_lag = 0.05;
+
 PetscErrorCode describe_mesh(const Scene &scene, MeshReport *report) {
   const Mesh &mesh = scene.mesh;
   PetscFunctionBeginUser;
@@ -49,6 +52,18 @@ PetscErrorCode warn_of_loose_rims(const Scene &scene, std::vector<std::string> *
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// How much of all states' friction would be other if it had each state's own normal forces, not
+/// those of the state before; nothing where there is no friction.
+std::optional<double> find_friction_lag(const std::vector<StateReport> &states) {
+  double force = 0, change = 0;
+  for (const StateReport &state : states) {
+    if (!state.contact) continue;
+    force += state.contact->friction_force;
+    change += state.contact->friction_change;
+  }
+  return force > 0 ? std::optional(change / force) : std::nullopt;
+}
+
 }  // namespace
 
 PetscErrorCode fill_report(Scene &scene, const SolveOutcome &outcome, const StateReport &end,
@@ -80,6 +95,13 @@ PetscErrorCode fill_report(Scene &scene, const SolveOutcome &outcome, const Stat
     report->warnings.push_back(
         "the total energy has risen although nothing drives the scene, so the motion is wrong: "
         "take -time_integrator bdf2 or backward_euler, which damp, or a shorter -time_step");
+  }
+  report->friction_lag = find_friction_lag(report->states);
+  report->friction_is_late = report->friction_lag > tolerated_friction_lag;
+  if (report->friction_is_late) {
+    report->warnings.push_back(
+        "friction has normal forces of the state before that are too far from a state's own: take "
+        "-contact_friction_iterations 3, or -1, until they fit, or shorter steps");
   }
   if (outcome.inverted > 0) {
     report->warnings.push_back(std::to_string(outcome.inverted) +

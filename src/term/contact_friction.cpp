@@ -1,6 +1,7 @@
 // Lagged friction of the contact term: what it has from the state before, and how it follows.
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "support/petsc_compatibility.hpp"
@@ -37,16 +38,32 @@ PetscErrorCode ContactTerm::slip(const double *u, Positions *v) const {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// The displacement of a half-space since the begin of the step, scaled as those of slip().
+contact::Vector3 ContactTerm::drift_of(std::size_t plane) const {
+  if (time_ <= accepted_time_) return {};
+  const contact::Vector3 moved =
+      planes_[plane].displacement(time_) - planes_[plane].displacement(accepted_time_);
+  return (slip_time_ / (time_ - accepted_time_)) * moved;
+}
+
+/// The part of add_forces() that friction has.
+PetscErrorCode ContactTerm::add_friction_forces(const double *u, Positions *forces) const {
+  Positions v;
+  PetscFunctionBeginUser;
+  if (!rubs()) PetscFunctionReturn(PETSC_SUCCESS);
+  const double e = parameters_.slip_velocity * slip_time_;
+  PetscCall(slip(u, &v));
+  contact::add_friction_gradient(friction_, v, e, *forces);
+  for (const auto &pairs : plane_friction_) contact::add_friction_gradient(pairs, v, e, *forces);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode ContactTerm::set_time(double time) {
   PetscFunctionBeginUser;
   time_ = time;
-  const double elapsed = std::max(0., time_ - accepted_time_);
-  if (!has_scheme_) slip_time_ = elapsed;
-  const double scale = elapsed > 0 ? slip_time_ / elapsed : 0;
+  if (!has_scheme_) slip_time_ = std::max(0., time_ - accepted_time_);
   for (std::size_t k = 0; k < planes_.size(); ++k) {
-    const contact::Vector3 moved =
-        planes_[k].displacement(time) - planes_[k].displacement(accepted_time_);
-    for (FrictionPair &pair : plane_friction_[k]) pair.drift = scale * moved;
+    for (FrictionPair &pair : plane_friction_[k]) pair.drift = drift_of(k);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -72,14 +89,34 @@ PetscErrorCode ContactTerm::lag_friction(const double *u) {
         contact::lagged_friction(surface(), law_, candidates_at(x), x, parameters_.friction);
   }
   for (std::size_t k = 0; k < planes_.size(); ++k) {
-    contact::Vector3 drift;
-    if (!plane_friction_[k].empty()) drift = plane_friction_[k].front().drift;
     plane_friction_[k].clear();
     if (!(planes_[k].friction > 0)) continue;
     plane_friction_[k] = contact::lagged_friction(surface(), law_, plane_at(k, time_),
                                                   surface_->own_vertices(), x, planes_[k].friction);
-    for (FrictionPair &pair : plane_friction_[k]) pair.drift = drift;
+    for (FrictionPair &pair : plane_friction_[k]) pair.drift = drift_of(k);
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// How far the forces of friction at the end of a step are from what they would be with its normal
+/// forces; both are parts of a sum over the ranks.
+PetscErrorCode ContactTerm::compare_friction_forces(const Positions &before, const Positions &now) {
+  const auto length = [](const double *force) { return std::hypot(force[0], force[1], force[2]); };
+  std::vector<double> all = before;
+  PetscFunctionBeginUser;
+  all.insert(all.end(), now.begin(), now.end());
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, all.data(), static_cast<PetscMPIInt>(all.size()),
+                             MPI_DOUBLE, MPI_SUM, surface_->comm()));
+  double sum_before = 0, sum_now = 0;
+  friction_change_ = 0;
+  for (std::size_t k = 0; k < before.size(); k += 3) {
+    const double *const one = &all[k], *const other = &all[before.size() + k];
+    const double change[3] = {other[0] - one[0], other[1] - one[1], other[2] - one[2]};
+    sum_before += length(one);
+    sum_now += length(other);
+    friction_change_ += length(change);
+  }
+  friction_force_ = std::max(sum_before, sum_now);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -88,7 +125,13 @@ PetscErrorCode ContactTerm::accept_step(const double *u) {
   ContactReport state;
   PetscFunctionBeginUser;
   stiffening_of_step_ = law_.stiffening;
-  PetscCall(lag_friction(u));
+  if (has_friction()) {
+    Positions before(3 * surface().vertices.size(), 0), now = before;
+    PetscCall(add_friction_forces(u, &before));
+    PetscCall(lag_friction(u));
+    PetscCall(add_friction_forces(u, &now));
+    PetscCall(compare_friction_forces(before, now));
+  }
   lags_of_step_ = std::exchange(lags_, 0);
   PetscCall(surface_->gather(u, &origin_));
   accepted_time_ = time_;
@@ -106,6 +149,7 @@ PetscErrorCode ContactTerm::go_on(const double *u, double time, double stiffenin
   PetscCall(set_time(time));
   law_.stiffening = stiffening;
   PetscCall(accept_step(u));
+  friction_force_ = friction_change_ = 0;  // of a step that the run before has reported
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

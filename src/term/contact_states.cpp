@@ -184,7 +184,10 @@ bool ContactTerm::moves(double one_time, double another) const {
 PetscErrorCode ContactTerm::report(const double *u, ContactReport *report) const {
   Positions x;
   PetscFunctionBeginUser;
-  *report = {.stiffening = law_.stiffening, .friction_solves = lags_of_step_};
+  *report = {.stiffening = law_.stiffening,
+             .friction_solves = lags_of_step_,
+             .friction_force = friction_force_,
+             .friction_change = friction_change_};
   PetscCall(positions(u, &x));
   const auto &candidates = candidates_at(x);
   const auto pairs = contact::pairs_within(surface(), candidates, x, law_.distance);

@@ -107,18 +107,13 @@ PetscErrorCode ContactTerm::add_energy(const double *u, EnergySums *sums) const 
 /// Derivatives of the energy by the positions of the surface's vertices, of this rank's pairs.
 PetscErrorCode ContactTerm::add_forces(const double *u, const Positions &x,
                                        Positions *forces) const {
-  Positions v;
   PetscFunctionBeginUser;
   contact::add_contact_gradient(surface(), law_, candidates_at(x), x, *forces);
   for (std::size_t k = 0; k < planes_.size(); ++k) {
     contact::add_half_space_gradient(surface(), law_, plane_at(k, time_), surface_->own_vertices(),
                                      x, *forces);
   }
-  if (!rubs()) PetscFunctionReturn(PETSC_SUCCESS);
-  const double e = parameters_.slip_velocity * slip_time_;
-  PetscCall(slip(u, &v));
-  contact::add_friction_gradient(friction_, v, e, *forces);
-  for (const auto &pairs : plane_friction_) contact::add_friction_gradient(pairs, v, e, *forces);
+  PetscCall(add_friction_forces(u, forces));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -39,7 +39,9 @@ struct ContactReport {
   double gap = std::numeric_limits<double>::infinity();  ///< the least one; infinite: >= dhat
   PetscInt64 pairs = 0;                                  ///< nearer than dhat
   double stiffening = 1;                                 ///< times the stiffness that was asked for
-  int friction_solves = 0;  ///< of the last step: how often friction got new forces
+  int friction_solves = 0;     ///< of the last step: how often friction got new forces
+  double friction_force = 0;   ///< sum of the lengths of the vertices' forces at its end
+  double friction_change = 0;  ///< of them, summed alike, if friction had that end's normal forces
 };
 
 /// How far bodies and obstacles can go from one state to another.
@@ -122,6 +124,8 @@ class ContactTerm final : public Term {
   PetscErrorCode positions_at(const double *u, double time, Positions *x) const;
   const std::vector<contact::ContactPair> &candidates_at(const Positions &x) const;
   PetscErrorCode add_forces(const double *u, const Positions &x, Positions *forces) const;
+  PetscErrorCode add_friction_forces(const double *u, Positions *forces) const;
+  PetscErrorCode compare_friction_forces(const Positions &before, const Positions &now);
   /// Takes a 3 x 3 block row by row for each pair of the vertices, some of which may be -1: the
   /// Hessian and its negative part, which is null where there is none.
   using HessianVisitor =
@@ -129,6 +133,7 @@ class ContactTerm final : public Term {
   PetscErrorCode visit_hessians(const double *u, const Positions &x,
                                 const HessianVisitor &visit) const;
   PetscErrorCode slip(const double *u, Positions *v) const;
+  [[nodiscard]] contact::Vector3 drift_of(std::size_t plane) const;
   [[nodiscard]] bool rubs() const;
   [[nodiscard]] std::string name_of(const contact::ContactPair &pair) const;
   [[nodiscard]] std::string name_of(int body, std::span<const int> vertices) const;
@@ -151,7 +156,8 @@ class ContactTerm final : public Term {
   std::vector<contact::FrictionPair> friction_;                     ///< of pairs
   std::vector<std::vector<contact::FrictionPair>> plane_friction_;  ///< of each half-space
   int lags_ = 0, lags_of_step_ = 0;  ///< of friction: in the step under way, and in the last
-  Positions origin_;                 ///< displacements at its begin
+  double friction_force_ = 0, friction_change_ = 0;  ///< of the last step; see ContactReport
+  Positions origin_;                                 ///< displacements at its begin
   double accepted_time_ = 0;
   double stiffening_of_step_ = 1;  ///< by which friction has its forces
   bool ignores_friction_ = false;

@@ -64,10 +64,12 @@ class ContactTest(unittest.TestCase):
         return os.path.join(self.folder, name)
 
     def solve(self, options, ranks=1, status=0):
-        """The record of a run, whose states and iterates are all free of intersections."""
+        """The record of a run, whose states and iterates are all free of intersections; what it
+        printed is `self.printed`."""
         result = run([*options, "-output_file", "run.xdmf", "-contact_iterates", "iterates.xdmf",
                       "-snes_trefoil_record", "run.json"], ranks, self.folder)
         self.assertEqual(result.returncode, status, result.stdout)
+        self.printed = result.stdout
         with open(self.path("run.json"), encoding="utf-8") as file:
             record = json.load(file)
         self.assertGreater(self.states("run.xdmf"), 0)
@@ -107,6 +109,10 @@ class ContactTest(unittest.TestCase):
                 self.assertIn(word, result.stdout)
 
 
+PULLED = [*BOX, *FLOOR, *TOP, "-obstacle_floor_friction", "0.4", "-load_steps", "12",
+          "-constraint_top_move", "0.4*max(0, t - 0.5), 0, -0.2*min(1, 2*t)"]
+
+
 class HalfSpace(ContactTest):
     def test_a_block_pressed_onto_a_floor_on_any_ranks(self):
         results = [record["result"] for record in self.on_any_ranks(PRESSED)]
@@ -121,9 +127,7 @@ class HalfSpace(ContactTest):
 
     def test_friction_holds_up_to_its_cone(self):
         """Pressed, then pulled sideways: sticks at first, slips with mu times the normal force."""
-        options = [*BOX, *FLOOR, *TOP, "-obstacle_floor_friction", "0.4", "-load_steps", "12",
-                   "-constraint_top_move", "0.4*max(0, t - 0.5), 0, -0.2*min(1, 2*t)"]
-        steps = self.solve(options)["steps"]
+        steps = self.solve(PULLED)["steps"]
         forces = [step["reaction"]["top"] for step in steps]
         ratios = [force[0] / -force[2] if force[2] < -1 else 0 for force in forces]
         self.assertLess(max(ratios), 0.4 * 1.005)
@@ -131,6 +135,29 @@ class HalfSpace(ContactTest):
         sticking = ratios[steps.index(next(s for s in steps if s["t"] > 0.58))]
         self.assertLess(sticking, 0.3)
         self.assertTrue(all(step["friction_iterations"] == 1 for step in steps))
+
+    def test_a_run_says_how_far_friction_lags(self):
+        """What it says is more than any reaction is off, and it warns of much."""
+        records = {solves: self.solve([*PULLED, "-contact_friction_iterations", str(solves)])
+                   for solves in (-1, 1, 3)}
+        reactions = {solves: [step["reaction"]["top"] for step in record["steps"]]
+                     for solves, record in records.items()}
+        largest = max(abs(force[2]) for force in reactions[-1])
+        lag = {solves: record["result"]["friction_lag"] for solves, record in records.items()}
+        for solves in (1, 3):
+            off = max(abs(a - b) for one, other in zip(reactions[solves], reactions[-1])
+                      for a, b in zip(one, other)) / largest
+            self.assertLess(1e-4 * lag[solves], off)
+            self.assertLess(off, lag[solves])
+        self.assertGreater(lag[1], 0.05)
+        self.assertLess(lag[3], 0.05)
+        self.assertLess(lag[-1], 1e-3)
+        for solves, record in records.items():
+            self.assertEqual(record["result"].get("friction_is_late", False), solves == 1)
+            self.assertEqual(len(record["result"]["warnings"]), solves == 1)
+        self.assertNotIn("WARNING", self.printed)
+        self.solve(PULLED)
+        self.assertIn("WARNING: friction lags", self.printed)
 
     def test_in_the_plane(self):
         self.solve(["-mesh_generate", "square", "-mesh_resolution", "4", "-constraints", "top",

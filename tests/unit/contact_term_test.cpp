@@ -213,6 +213,53 @@ TEST_P(ContactTermTest, AStateThatIntersectsIsFound) {
   EXPECT_NE(first.find("edge ("), std::string::npos) << first;
 }
 
+/// Displaces all vertices by a length along an axis.
+PetscErrorCode move_along(int axis, double length, Body *body, Vec *x) {
+  PetscFunctionBeginUser;
+  PetscCall(body->vector([=](const double *, int i) { return i == axis ? length : 0; }, x));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// The sum of the vertices' gradients along an axis.
+double pull_along(Body &body, int axis, Vec x) {
+  OwnedVec g, one;
+  PetscReal sum = 0;
+  EXPECT_EQ(move_along(axis, 1, &body, &one), PETSC_SUCCESS);
+  EXPECT_EQ(VecDuplicate(x, &g), PETSC_SUCCESS);
+  EXPECT_EQ(body.functional->gradient(x, g), PETSC_SUCCESS);
+  EXPECT_EQ(VecDot(g, one, &sum), PETSC_SUCCESS);
+  return sum;
+}
+
+/// Within a step bodies meet a floor that glides away: it takes them along.
+TEST_P(ContactTermTest, FrictionThatBeginsWithinAStepKnowsHowObstaclesMove) {
+  OwnedVec lifted;
+  ASSERT_EQ(move_along(2, 0.2, &two_.body, &lifted), PETSC_SUCCESS);
+  std::vector<double> u(two_.body.mesh.coordinates.size(), 0);
+  ASSERT_EQ(two_.body.functional->accept_step(lifted), PETSC_SUCCESS);
+  ASSERT_EQ(two_.body.functional->set_time(1), PETSC_SUCCESS);
+  ASSERT_EQ(two_.contact->lag_friction(u.data()), PETSC_SUCCESS);
+  const double normal = pull_along(two_.body, 2, rest_);
+  EXPECT_LT(normal, -1e-3);
+  EXPECT_NEAR(pull_along(two_.body, 0, rest_), GetParam() * normal, 1e-9 * std::abs(normal));
+}
+
+/// Pressed deeper within a step, on a gliding floor: friction has still the forces of its begin.
+TEST_P(ContactTermTest, ReportsWhatLagsOfFriction) {
+  OwnedVec lowered;
+  ASSERT_EQ(move_along(2, -0.01, &two_.body, &lowered), PETSC_SUCCESS);
+  const std::vector<double> u(two_.body.mesh.coordinates.size(), 0);
+  ContactReport report;
+  const double begin = -pull_along(two_.body, 2, rest_);
+  const double end = -pull_along(two_.body, 2, lowered);
+  EXPECT_GT(end, 1.1 * begin);
+  EXPECT_NEAR(-pull_along(two_.body, 0, lowered), GetParam() * begin, 1e-9 * begin);
+  ASSERT_EQ(two_.body.functional->accept_step(lowered), PETSC_SUCCESS);
+  ASSERT_EQ(two_.contact->report(u.data(), &report), PETSC_SUCCESS);
+  EXPECT_NEAR(report.friction_force, GetParam() * end, 1e-9 * end);
+  EXPECT_NEAR(report.friction_change, GetParam() * (end - begin), 1e-9 * end);
+}
+
 INSTANTIATE_TEST_SUITE_P(Friction, ContactTermTest, testing::Values(0, 0.4));
 
 }  // namespace
