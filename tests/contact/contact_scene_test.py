@@ -11,7 +11,9 @@ import exact
 import mesh_files
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-sys.path.insert(0, os.path.join(os.path.dirname(HERE), "scene"))
+EXAMPLES = os.path.join(os.path.dirname(os.path.dirname(HERE)), "examples")
+sys.path[:0] = [EXAMPLES, os.path.join(os.path.dirname(HERE), "scene")]
+import overhand_knot  # noqa: E402
 from trefoil_program import run  # noqa: E402
 
 BOX = ["-mesh_generate", "box", "-mesh_resolution", "3", "-material_young", "1e5",
@@ -176,6 +178,24 @@ class Bodies(ContactTest):
         found = [exact.intersections_of(step)
                  for step in mesh_files.steps_of(self.path("free.xdmf"))]
         self.assertTrue(any(found))
+
+    def test_a_rope_is_pulled_tight_on_its_knot(self):
+        """Without contact the knot comes undone: the rope passes through itself."""
+        overhand_knot.write(self.path("overhand_knot.mesh"), across=2, along=60)
+        with open(os.path.join(EXAMPLES, "knot_tight.yaml"), encoding="utf-8") as file:
+            scene = file.read()
+        contact = "contact:     {self: true}\n"
+        self.assertIn(contact, scene)
+        for name, text in (("tight.yaml", scene), ("free.yaml", scene.replace(contact, ""))):
+            with open(self.path(name), "w", encoding="utf-8") as file:
+                file.write(text)
+        record = self.solve(["tight.yaml"])
+        self.assertGreater(record["result"]["contact_pairs"], 20)
+        result = run(["free.yaml", "-output_file", "free.xdmf", "-load_steps", "4"],
+                     folder=self.folder)
+        self.assertEqual(result.returncode, 0, result.stdout)
+        self.assertTrue(any(exact.intersections_of(step)
+                            for step in mesh_files.steps_of(self.path("free.xdmf"))))
 
     def test_a_knot_meets_itself_in_steps_with_and_without_filter(self):
         """The pattern of H changes in steps that make no N; the one from before does not fit then."""
