@@ -22,8 +22,8 @@ PetscErrorCode is_set(const char *option, bool *set) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// A default for one of PETSc's own options.
-PetscErrorCode set_unless_given(const char *option, const char *value) {
+/// A default for one of PETSc's own options; only third-party factors have some.
+[[maybe_unused]] PetscErrorCode set_unless_given(const char *option, const char *value) {
   bool given = false;
   PetscFunctionBeginUser;
   PetscCall(is_set(option, &given));
