@@ -82,9 +82,10 @@ PetscErrorCode solve(MPI_Comm comm, const SceneOptions &options, double begin, i
   };
   PetscCall(solve_scene(scene, observe, checkpoint, &outcome));
   PetscCheck(outcome.converged || !outcome.plugin_record.empty(), comm, PETSC_ERR_USER_INPUT,
-             "nothing was solved: %s; shorter steps may get farther, -load_steps auto or, in time, "
-             "-time_step_min",
-             outcome.failure.c_str());
+             "nothing was solved: %s%s", outcome.failure.c_str(),
+             outcome.is_hopeless ? ""
+                                 : "; shorter steps may get farther, -load_steps auto or, in time, "
+                                   "-time_step_min");
   if (!outcome.converged) *status = not_converged;
 
   PetscCall(scene.progress.pass("solved, results are written"));

@@ -3,6 +3,7 @@
 #include <sstream>
 
 #include "scene/initial_displacement.hpp"
+#include "solve/prescribed_way.hpp"
 #include "solve/starting_guess.hpp"
 #include "support/petsc_compatibility.hpp"
 
@@ -52,11 +53,11 @@ std::string sentence_of(const AllowedMotion &motion, double time) {
 
 }  // namespace
 
-PetscErrorCode ContactPath::move_to(double time, std::string *blocked) {
+PetscErrorCode ContactPath::move_to(double time, Attempt *attempt) {
   std::vector<double> u;
   AllowedMotion motion;
   PetscFunctionBeginUser;
-  blocked->clear();
+  attempt->reason.clear();
   solves_ = 1;
   lagged_.clear();
   PetscCall(scene_.contact->set_time(time));
@@ -65,7 +66,10 @@ PetscErrorCode ContactPath::move_to(double time, std::string *blocked) {
       scene_.contact->find_allowed_motion(stand_.u.data(), stand_.time, u.data(), time, &motion));
   if (motion.share >= 1) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(find_way(stand_, time, &motion));
-  if (motion.share < 1) *blocked = sentence_of(motion, stand_.time);
+  if (motion.share >= 1) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(find_meeting_of_prescribed(scene_, stand_.u, stand_.time, time, &attempt->reason));
+  attempt->is_hopeless = !attempt->reason.empty();
+  if (!attempt->is_hopeless) attempt->reason = sentence_of(motion, stand_.time);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -105,14 +109,14 @@ PetscErrorCode ContactPath::begin_step(double time) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode ContactPath::move_on(bool *arrived, std::string *blocked) {
+PetscErrorCode ContactPath::move_on(bool *arrived, Attempt *attempt) {
   constexpr int most_parts = 50;
   const Place &from = parts_ == 0 ? stand_ : part_;
   const double here = from.time;
   AllowedMotion motion;
   bool moved = false;
   PetscFunctionBeginUser;
-  blocked->clear();
+  attempt->reason.clear();
   if (parts_ > 0) {
     PetscCall(scene_.discretization.copy_local(scene_.displacement, &part_.u));
     PetscCall(VecCopy(scene_.displacement, part_.unknowns));
@@ -121,10 +125,15 @@ PetscErrorCode ContactPath::move_on(bool *arrived, std::string *blocked) {
   PetscCall(find_way(from, end_.time, &motion));
   *arrived = motion.share >= 1;
   if (*arrived) PetscFunctionReturn(PETSC_SUCCESS);
+  if (parts_ == 0) {
+    PetscCall(find_meeting_of_prescribed(scene_, stand_.u, here, end_.time, &attempt->reason));
+    attempt->is_hopeless = !attempt->reason.empty();
+    if (attempt->is_hopeless) PetscFunctionReturn(PETSC_SUCCESS);
+  }
   if (parts_ < most_parts) PetscCall(go_part(motion.share, &moved));
   if (moved) PetscFunctionReturn(PETSC_SUCCESS);
   const double reached = here + motion.share * (end_.time - here);
-  *blocked =
+  attempt->reason =
       sentence_of({(reached - stand_.time) / (end_.time - stand_.time), motion.what}, stand_.time);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

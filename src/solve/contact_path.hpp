@@ -7,6 +7,7 @@
 
 #include "scene/scene.hpp"
 #include "solve/checkpoint.hpp"
+#include "solve/scene_solver.hpp"
 
 namespace trefoil {
 
@@ -27,8 +28,9 @@ class ContactPath {
   /// Checks the way from the last equilibrium to the scene's displacement and prescribed values, of
   /// this time. Where unknowns that follow would be in the way they stay where they were, or, where
   /// they are pushed, go where the linearised energy sends them.
-  /// @param blocked one sentence where the way is not free, or nothing
-  PetscErrorCode move_to(double time, std::string *blocked);
+  /// @param attempt its reason: one sentence where the way is not free, or nothing; hopeless where
+  /// what is prescribed meets by itself
+  PetscErrorCode move_to(double time, Attempt *attempt);
 
   /// Begins a step in time from the last equilibrium, which the scene's displacement is, to the
   /// prescribed values that the scene has now, of this time. Collective.
@@ -37,8 +39,9 @@ class ContactPath {
   /// unknowns that it pushes, go the part of it that is: a solve there has to make room before the
   /// next call. Collective.
   /// @param arrived whether it is at the end
-  /// @param blocked one sentence where it comes no farther, or nothing
-  PetscErrorCode move_on(bool *arrived, std::string *blocked);
+  /// @param attempt its reason: one sentence where it comes no farther, or nothing; hopeless as in
+  /// move_to()
+  PetscErrorCode move_on(bool *arrived, Attempt *attempt);
 
   /// After a solve: whether friction asks for another one, with its forces of this state.
   /// @param iterations that the solve took

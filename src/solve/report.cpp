@@ -6,7 +6,7 @@
 namespace trefoil {
 namespace {
 
-/// A share of friction. Reactions are off by a tenth of it or less (tests/contact).
+/// A share of friction. Reactions are off by less (tests/contact).
 constexpr double tolerated_friction_lag = 0.05;
 
 PetscErrorCode describe_mesh(const Scene &scene, MeshReport *report) {

@@ -14,7 +14,8 @@ namespace trefoil {
 struct Attempt {
   bool converged = false;
   PetscInt iterations = 0;
-  PetscInt64 inverted = 0;  ///< elements, at its end
+  PetscInt64 inverted = 0;   ///< elements, at its end
+  bool is_hopeless = false;  ///< a shorter step would end in the same way
   std::string record, reason, linear_solver;
 };
 

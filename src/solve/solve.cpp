@@ -94,7 +94,7 @@ PetscErrorCode Walk::take_step(double time, Attempt *attempt) {
   if (contact_.exists() && goes_on_in_step_) {
     PetscCall(contact_.go_on_in_step(checkpoint_, time));
   } else if (contact_.exists()) {
-    PetscCall(contact_.move_to(time, &attempt->reason));
+    PetscCall(contact_.move_to(time, attempt));
     if (!attempt->reason.empty()) PetscFunctionReturn(PETSC_SUCCESS);
   }
   const AttemptOptions how{.head_start = head_start,
@@ -147,7 +147,7 @@ PetscErrorCode Walk::accept(double time, const Attempt &attempt) {
 /// Back to the last equilibrium that stands. @param goes_on whether a shorter step is left
 PetscErrorCode Walk::reject(double time, const Attempt &attempt, bool *goes_on) {
   PetscFunctionBeginUser;
-  *goes_on = sizes_.halve();
+  *goes_on = !attempt.is_hopeless && sizes_.halve();
   if (!*goes_on && attempt.converged) {  // elements are turned round however short the step is
     PetscCall(accept(time, attempt));
     *goes_on = true;
@@ -171,6 +171,7 @@ PetscErrorCode Walk::reject(double time, const Attempt &attempt, bool *goes_on) 
     PetscCall(PetscPrintf(comm_, "%s\n", text.str().c_str()));
   } else {
     outcome_->failure = text.str();
+    outcome_->is_hopeless = attempt.is_hopeless;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -236,6 +237,7 @@ PetscErrorCode Walk::go() {
     } else {
       record(attempt, false);
       if (attempt.record.empty()) outcome_->failure = attempt.reason;
+      outcome_->is_hopeless = attempt.is_hopeless;
       goes_on = false;
     }
   }

@@ -18,6 +18,7 @@ struct SolveOutcome {
   bool converged = false;
   /// Where the way in load steps ended before t = 1, and why; empty: it did not.
   std::string failure;
+  bool is_hopeless = false;       ///< shorter steps would end there as well
   double time = 1;                ///< t of the state that the scene is left at
   int path_halvings = 0;          ///< of steps on a path of the program's own accord
   bool path_is_rejected = false;  ///< such a path was walked, and the end of a leap counts

@@ -182,11 +182,11 @@ PetscErrorCode TimeWalk::move_prescribed(Attempt *attempt, bool *arrived) {
   PetscFunctionBeginUser;
   PetscCall(solver_.set_direction_tolerance(loose));
   PetscCall(contact_.begin_step(steps_.next()));
-  PetscCall(contact_.move_on(arrived, &attempt->reason));
+  PetscCall(contact_.move_on(arrived, attempt));
   while (!*arrived && attempt->reason.empty()) {
     PetscCall(solve_here(attempt));
     if (!attempt->converged) break;
-    PetscCall(contact_.move_on(arrived, &attempt->reason));
+    PetscCall(contact_.move_on(arrived, attempt));
   }
   attempt->converged = false;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -215,16 +215,21 @@ PetscErrorCode TimeWalk::reject(const Attempt &attempt, bool *goes_on) {
   const double from = steps_.time(), to = steps_.next();
   std::ostringstream text;
   PetscFunctionBeginUser;
-  *goes_on = steps_.halve();
+  *goes_on = !attempt.is_hopeless && steps_.halve();
   PetscCall(scene_.motion->go_back());
   if (*goes_on) {
     text << "the step to t = " << to << " is halved: " << attempt.reason;
     PetscCall(PetscPrintf(comm_, "%s\n", text.str().c_str()));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  text << "the step in time from t = " << from << " to " << to << " failed, and -time_step_min "
-       << options_.shortest_step() << " allows none of half its length: " << attempt.reason;
+  text << "the step in time from t = " << from << " to " << to << " failed";
+  if (!attempt.is_hopeless) {
+    text << ", and -time_step_min " << options_.shortest_step()
+         << " allows none of half its length";
+  }
+  text << ": " << attempt.reason;
   outcome_->failure = text.str();
+  outcome_->is_hopeless = attempt.is_hopeless;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -10,6 +10,16 @@ namespace trefoil {
 
 using contact::ContactPair;
 
+namespace {
+
+std::string near(const contact::Vector3 &place) {
+  std::ostringstream text;
+  text << " near (" << place.x << ", " << place.y << ", " << place.z << ")";
+  return text.str();
+}
+
+}  // namespace
+
 std::string ContactTerm::name_of(int body, std::span<const int> vertices) const {
   std::ostringstream text;
   const char *const kinds[] = {"", "vertex", "edge", "triangle"};
@@ -58,7 +68,10 @@ PetscErrorCode ContactTerm::share_first(double *value, int place, std::string *w
 
 PetscErrorCode ContactTerm::find_allowed_motion(const double *from, double time_from,
                                                 const double *to, double time_to,
-                                                AllowedMotion *motion) const {
+                                                AllowedMotion *motion, Movers movers) const {
+  const auto moves = [movers](contact::Role role) {
+    return movers == Movers::all || role != contact::Role::free;
+  };
   Positions x, step;
   int first = 0;  // vertex of what ends it
   PetscFunctionBeginUser;
@@ -69,7 +82,11 @@ PetscErrorCode ContactTerm::find_allowed_motion(const double *from, double time_
   if (has_pairs_) {
     contact::PairSearch wanted = search(law_.distance);
     wanted.prescribed = true;
-    const auto swept = contact::find_candidates(surface(), x, step, wanted);
+    auto swept = contact::find_candidates(surface(), x, step, wanted);
+    std::erase_if(swept.pairs, [&](const ContactPair &pair) {
+      return !moves(contact::first_of(surface(), pair).role) ||
+             !moves(contact::second_of(surface(), pair).role);
+    });
     const auto allowed =
         contact::allowed_step(surface(), swept.pairs, x, step, parameters_.limits, swept.share);
     motion->share = std::min(swept.share, allowed.step);
@@ -79,17 +96,22 @@ PetscErrorCode ContactTerm::find_allowed_motion(const double *from, double time_
       first = contact::vertices_of(surface(), pair)[0];
     }
   }
+  std::vector<int> vertices;
+  std::copy_if(surface_->own_vertices().begin(), surface_->own_vertices().end(),
+               std::back_inserter(vertices), [&](int vertex) {
+                 return moves(surface().vertices[static_cast<std::size_t>(vertex)].role);
+               });
   for (std::size_t k = 0; k < planes_.size(); ++k) {
-    const auto allowed =
-        contact::allowed_step(plane_at(k, time_from), plane_at(k, time_to),
-                              surface_->own_vertices(), x, step, parameters_.limits);
+    const auto allowed = contact::allowed_step(plane_at(k, time_from), plane_at(k, time_to),
+                                               vertices, x, step, parameters_.limits);
     if (allowed.step >= motion->share) continue;
     motion->share = allowed.step;
-    const int vertex = surface_->own_vertices()[static_cast<std::size_t>(allowed.pair)];
+    const int vertex = vertices[static_cast<std::size_t>(allowed.pair)];
     motion->what =
         name_of(0, std::span<const int>(&vertex, 1)) + " and obstacle '" + planes_[k].name + "'";
     first = vertex;
   }
+  if (!motion->what.empty()) motion->what += near(contact::point_of(x, first));
   PetscCall(share_first(&motion->share, first, &motion->what));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -115,8 +137,7 @@ PetscErrorCode ContactTerm::find_intersections(const double *u, PetscInt64 *coun
     text << name_of(surface().edge_data[e].body, ends) << " and "
          << name_of(surface().facet_data[f].body,
                     std::span<const int>(corners.data(), surface().dim == 2 ? 2 : 3))
-         << (meeting == contact::Meeting::touching ? " touch" : "") << " near (" << place.x << ", "
-         << place.y << ", " << place.z << ")";
+         << (meeting == contact::Meeting::touching ? " touch" : "") << near(place);
     *first = text.str();
     order = 0;
     which = edge;
@@ -129,7 +150,7 @@ PetscErrorCode ContactTerm::find_intersections(const double *u, PetscInt64 *coun
       ++*count;
       if (!first->empty()) continue;
       *first = name_of(0, std::span<const int>(&vertex, 1)) + " lies in obstacle '" +
-               planes_[k].name + "'";
+               planes_[k].name + "'" + near(contact::point_of(x, vertex));
       order = 1;
       which = vertex;
     }

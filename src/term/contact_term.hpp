@@ -44,10 +44,13 @@ struct ContactReport {
   double friction_change = 0;  ///< of them, summed alike, if friction had that end's normal forces
 };
 
+/// Whose way is looked at: of everything, or only of what is prescribed, obstacles included.
+enum class Movers { all, prescribed };
+
 /// How far bodies and obstacles can go from one state to another.
 struct AllowedMotion {
   double share = 1;    ///< of the way
-  std::string what{};  ///< what ends it: "edge (3, 4) and edge (8, 9) of the mesh"
+  std::string what{};  ///< what ends it, and where: "edge (3, 4) and edge (8, 9) near (0, 1, 0)"
 };
 
 /// Contact of bodies with themselves, with each other and with obstacles: barriers of the distances
@@ -85,7 +88,8 @@ class ContactTerm final : public Term {
 
   /// The way from a state to another, straight, obstacles included, is free so far.
   PetscErrorCode find_allowed_motion(const double *from, double time_from, const double *to,
-                                     double time_to, AllowedMotion *motion) const;
+                                     double time_to, AllowedMotion *motion,
+                                     Movers movers = Movers::all) const;
   /// The first of the surface's intersections at u, of which there are `count`; exact.
   PetscErrorCode find_intersections(const double *u, PetscInt64 *count, std::string *first) const;
   /// The least gap at u: how far, of what is nearer than `reach`, the nearest is apart, and what it

@@ -3,6 +3,7 @@
 exact.py says independently; friction sticks and slips; ranks agree; what cannot be is refused."""
 import json
 import os
+import re
 import sys
 import tempfile
 import unittest
@@ -310,6 +311,10 @@ class OnASlope(ContactTest):
 
 
 class Refused(ContactTest):
+    def test_what_starts_in_a_half_space(self):
+        self.refused([*BOX, *TOP, *FLOOR[:4], "-obstacle_floor_at", "0, 0, 0.1"],
+                     "16 pairs, the first: vertex (1) lies in obstacle 'floor' near (0, 0, 0)")
+
     def test_what_meets_at_rest(self):
         boxes_file(self.path("boxes.mesh"), -0.05)
         self.refused(["-mesh_file", "boxes.mesh", "-contact_self", "-constraints", "all",
@@ -352,9 +357,9 @@ class Refused(ContactTest):
         for ranks in (1, 2):
             result = run([*BOX, *FLOOR, *low, "0, 0, -t", "-material_density", "1e3", "-time_end",
                           "0.2", "-time_step", "0.1", "-time_step_min", "0.02"], ranks, self.folder)
-            self.assertEqual(result.returncode, 3, result.stdout)
+            self.assertEqual(result.returncode, 1, result.stdout)
             self.assertIn("what is prescribed cannot move so far: vertex (1) and obstacle 'floor' "
-                          "would meet", result.stdout)
+                          "near (0, 0, -0.09", result.stdout)
 
     def test_an_obstacle_that_moves_into_what_is_held(self):
         """One sentence on any ranks, and the same status, whether or not anything was solved."""
@@ -363,11 +368,11 @@ class Refused(ContactTest):
                    "-obstacle_floor_at", "0, 0, -0.1", "-obstacle_floor_move"]
         in_time = ["-material_density", "1e3", "-time_end", "1", "-time_step", "0.1",
                    "-time_step_min", "0.02"]
-        meets = "cannot move so far: vertex (1) and obstacle 'floor' would meet"
-        for move, more, status in (("0, 0, 0.5*t", [], 3), ("0, 0, 0.5*t", in_time, 3),
+        meets = "cannot move so far: vertex (1) and obstacle 'floor' near (0, 0, 0) would meet"
+        for move, more, status in (("0, 0, 0.5*t", [], 1), ("0, 0, 0.5*t", in_time, 3),
                                    ("0, 0, 0.5*t", ["-load_steps", "1"], 1),
                                    ("0, 0, 0.5*t", ["-load_steps", "4"], 1),
-                                   ("0, 0, 500*t", in_time, 3)):
+                                   ("0, 0, 500*t", in_time, 1)):
             said = set()
             for ranks in (1, 2, 3):
                 result = run([*options, move, *more], ranks, self.folder)
@@ -375,7 +380,35 @@ class Refused(ContactTest):
                 said.update(line for line in result.stdout.splitlines()
                             if line.startswith(("NOT CONVERGED", "trefoil: ")) and meets in line)
             self.assertEqual(len(said), 1, (more, said))
-            self.assertEqual("nothing was solved" in said.pop(), status == 1, more)
+            sentence = said.pop()
+            self.assertEqual("nothing was solved" in sentence, status == 1, more)
+            self.assertIn("neither can give way: both are prescribed", sentence)
+
+    def test_what_is_prescribed_into_what_is_prescribed(self):
+        """At once, with no step that is halved: where the two surfaces meet nothing can make room."""
+        boxes_file(self.path("boxes.mesh"), 0.05)
+        faces = ["-mesh_file", "boxes.mesh", "-mesh_refine", "1", "-contact_self", "-constraints",
+                 "top,bottom", "-constraint_top_where", "abs(z - 1) < 0.01",
+                 "-constraint_bottom_where", "abs(z - 1.05) < 0.01", "-constraint_bottom_move"]
+        in_time = ["-material_density", "1e3", "-time_end", "1", "-time_step", "0.25"]
+        for more in ([], in_time):
+            result = run([*faces, "0, 0, -0.3*t", *more], 1, self.folder)
+            self.assertEqual(result.returncode, 1, result.stdout)
+            self.assertNotIn("halved", result.stdout)
+            meeting = re.search(r"\) and .* near \((.*)\) would meet at t = (.*), and neither",
+                                result.stdout)
+            self.assertAlmostEqual(float(meeting[2]), 0.05 / 0.3, delta=2e-3)
+            self.assertAlmostEqual(float(meeting[1].split(",")[2]), 1, delta=2e-3)
+
+    def test_a_straight_way_that_is_not_free_where_the_true_one_is(self):
+        """The block leaves the room under a cone sideways, and then rises."""
+        with open(self.path("cone.obj"), "w", encoding="utf-8") as file:
+            file.write(CONE)
+        result = run([*BOX, *TOP, "-obstacles", "cone", "-obstacle_cone_file", "cone.obj",
+                      "-load_steps", "auto", "-load_steps_first", "1", "-constraint_top_move",
+                      "4*min(0.5, t), 0, 0.8*max(0, t - 0.5)"], folder=self.folder)
+        self.assertEqual(result.returncode, 0, result.stdout)
+        self.assertIn("halved: what is prescribed cannot move so far", result.stdout)
 
     def test_options(self):
         self.refused([*PRESSED, "-order", "2"], "linear elements")
