@@ -20,11 +20,17 @@ Json place(const Extreme &extreme) {
 }
 
 Json mesh_json(const MeshReport &mesh) {
-  return {{"vertices", mesh.vertices},   {"nodes", mesh.nodes},
-          {"elements", mesh.elements},   {"parts", mesh.parts},
-          {"element", mesh.element},     {"dofs", mesh.dofs},
-          {"free_dofs", mesh.free_dofs}, {"inverted_at_start", mesh.inverted_at_start},
-          {"edge_cut", mesh.edge_cut},   {"imbalance", mesh.imbalance}};
+  return {{"vertices", mesh.vertices},
+          {"nodes", mesh.nodes},
+          {"elements", mesh.elements},
+          {"parts", mesh.parts},
+          {"element", mesh.element},
+          {"element_pressure", mesh.element_pressure},
+          {"dofs", mesh.dofs},
+          {"free_dofs", mesh.free_dofs},
+          {"edge_cut", mesh.edge_cut},
+          {"imbalance", mesh.imbalance},
+          {"inverted_at_start", mesh.inverted_at_start}};
 }
 
 Json constraints_json(const RunReport &report) {

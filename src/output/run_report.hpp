@@ -88,6 +88,7 @@ struct StateReport {
 struct MeshReport {
   PetscInt vertices = 0, nodes = 0, elements = 0, parts = 1;
   std::string element;
+  std::string element_pressure;  ///< as -element_pressure was chosen
   PetscInt dofs = 0, free_dofs = 0;
   PetscInt64 inverted_at_start = 0;
   PetscInt edge_cut = 0;

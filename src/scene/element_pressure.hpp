@@ -6,13 +6,16 @@
 
 namespace trefoil {
 
-/// What -element_pressure names.
+/// Where -element_pressure is auto: constant for quadratic elements of which a material is nearly
+/// incompressible, if all materials split their volumetric part off and the filter is that of
+/// elements; it has less error at the same time there. Says so where it is constant. Collective.
+PetscErrorCode choose_element_pressure(const Mesh &mesh, SceneOptions *options);
+
+/// What -element_pressure names; chosen.
 ElementPressure element_pressure(const SceneOptions &options);
 
 /// Refuses a pressure that the elements, a material or the filter have not, in a sentence.
 /// Collective.
-/// @param model of `material`, the body's or a region's
-PetscErrorCode check_element_pressure(const SceneOptions &options, const Mesh &mesh,
-                                      const MaterialOptions &material, const MaterialModel &model);
+PetscErrorCode check_element_pressure(const SceneOptions &options, const Mesh &mesh);
 
 }  // namespace trefoil

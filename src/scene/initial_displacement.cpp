@@ -5,6 +5,7 @@
 #include "input/expression.hpp"
 #include "input/selection.hpp"
 #include "mesh/cell_list.hpp"
+#include "scene/body_materials.hpp"
 #include "support/collective_error.hpp"
 #include "support/petsc_compatibility.hpp"
 
@@ -35,11 +36,9 @@ std::vector<double> evaluate(const std::string &text, const Mesh &mesh) {
 std::string choose_initial(const SceneOptions &options) {
   if (options.initial != "auto") return options.initial;
   if (options.time.is_on) return "rest";
-  bool incompressible = is_nearly_incompressible(options.material);
-  for (const RegionOptions &region : options.regions) {
-    incompressible = incompressible || is_nearly_incompressible(region.material);
-  }
-  return incompressible ? "harmonic" : "arap";
+  // Elements with a pressure of their own are led from there by a softer body, see soften_start().
+  const bool is_dear = is_nearly_incompressible(options) && options.element_pressure != "constant";
+  return is_dear ? "harmonic" : "arap";
 }
 
 PetscErrorCode set_initial_displacement(const std::string &expression,

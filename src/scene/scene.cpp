@@ -3,18 +3,19 @@
 #include <petsctime.h>
 
 #include <algorithm>
-#include <sstream>
+#include <cmath>
 
 #include "mesh/io/hdf5_mesh.hpp"
 #include "mesh/io/load_mesh.hpp"
 #include "scene/bent_cells_check.hpp"
+#include "scene/body_materials.hpp"
 #include "scene/constraints.hpp"
 #include "scene/contact_scene.hpp"
 #include "scene/element_pressure.hpp"
 #include "scene/loads.hpp"
+#include "scene/locking.hpp"
 #include "scene/regions.hpp"
 #include "support/petsc_compatibility.hpp"
-#include "term/elastic_term.hpp"
 
 namespace trefoil {
 namespace {
@@ -35,22 +36,15 @@ MeshOptions mesh_options(const SceneOptions &options) {
 PetscErrorCode add_elastic_term(const std::vector<int> &region_of_cell, Scene *scene) {
   const SceneOptions &options = scene->options;
   const Mesh &mesh = scene->mesh;
-  std::vector<const MaterialOptions *> named{&options.material};
-  std::vector<std::unique_ptr<MaterialModel>> materials;
   PetscFunctionBeginUser;
-  for (const RegionOptions &region : options.regions) named.push_back(&region.material);
-  for (const MaterialOptions *material : named) {
-    materials.push_back(make_material(*material));
-    PetscCall(check_element_pressure(options, mesh, *material, *materials.back()));
-  }
-  // Without regions, all cells have the first.
-  MaterialRuns runs = options.regions.empty()
-                          ? MaterialRuns(std::move(materials.front()), mesh.local_cells())
-                          : MaterialRuns(std::move(materials), region_of_cell);
+  PetscCall(check_element_pressure(options, mesh));
   const auto space =
       options.filter_space == "deformation" ? FilterSpace::deformation : FilterSpace::element;
-  scene->functional->add_term(
-      std::make_unique<ElasticTerm>(mesh, std::move(runs), space, element_pressure(options)));
+  auto term =
+      std::make_unique<ElasticTerm>(mesh, body_materials(options, mesh, region_of_cell, INFINITY),
+                                    space, element_pressure(options));
+  scene->elastic = term.get();
+  scene->functional->add_term(std::move(term));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -89,10 +83,7 @@ PetscErrorCode tell_materials(MPI_Comm comm, Scene *scene) {
                           options.material.parameters.constants.poisson));
   }
   if (locks && !is_quadratic(*scene->mesh.shape)) {
-    std::ostringstream text;
-    text << "linear elements lock at Poisson's ratio " << largest
-         << " (above 0.4545): the body is stiffer than it should be; -order 2 is not";
-    scene->warnings.push_back(text.str());
+    scene->warnings.push_back(warn_of_locking(scene->mesh.dimension(), largest));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -167,6 +158,7 @@ PetscErrorCode build_scene(MPI_Comm comm, const SceneOptions &options, Scene *sc
   PetscCall(load_mesh(comm, mesh_options(options), check_bent_cells, &scene->mesh));
   PetscCall(PetscTime(&loaded));
   PetscCall(scene->progress.pass("the mesh is distributed"));
+  PetscCall(choose_element_pressure(scene->mesh, &scene->options));
   PetscCall(scene->constraints.choose(scene->mesh, options));
   if (options.time.is_on) PetscCall(scene->constraints.warn_of_jumps());
   PetscCall(scene->constraints.hold(first_time, &held));

@@ -14,6 +14,7 @@
 #include "scene/scene_options.hpp"
 #include "scene/solver_choice.hpp"
 #include "term/contact_term.hpp"
+#include "term/elastic_term.hpp"
 
 namespace trefoil {
 
@@ -23,6 +24,7 @@ struct Scene {
   Mesh mesh;
   Discretization discretization;
   std::unique_ptr<EnergyFunctional> functional;
+  ElasticTerm *elastic = nullptr;  ///< of the functional
   Constraints constraints;
   ContactTerm *contact = nullptr;        ///< of the functional; null: the scene has none
   std::vector<DrawnObstacle> obstacles;  ///< where there is an output

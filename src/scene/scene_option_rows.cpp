@@ -45,9 +45,10 @@ std::vector<OptionRow> mesh_rows(SceneOptions &options) {
        essential},
       {"element_pressure",
        &options.element_pressure,
-       "Quadratic elements take the volume pointwise, or at the element's mean (constant)",
+       "Quadratic elements take the volume pointwise, or at the element's mean (constant); auto: "
+       "the latter where a material is nearly incompressible",
        "",
-       {"pointwise", "constant"}},
+       {"auto", "pointwise", "constant"}},
   };
 }
 
@@ -148,7 +149,8 @@ std::vector<OptionRow> solve_rows(SceneOptions &options) {
       {"initial",
        &options.initial,
        "Start: at rest; prescribed displacements spread (harmonic), then as rigid as possible "
-       "(arap); auto: arap, but harmonic where a material is nearly incompressible",
+       "(arap); auto: arap, but harmonic where a material is nearly incompressible and "
+       "-element_pressure pointwise",
        "",
        {"auto", "rest", "harmonic", "arap", "expression", "file"}},
       {"initial_steps", &options.initial_steps, "Local/global steps of -initial arap"},

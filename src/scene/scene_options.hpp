@@ -86,7 +86,7 @@ struct SceneOptions {
   bool normalize = false;
   std::string repair = "none", partitioner = "metis";
   PetscInt order = 0;  ///< of the elements; 0: as the mesh has it, which generated ones have linear
-  std::string element_pressure = "pointwise";  ///< or constant, see ElementPressure
+  std::string element_pressure = "auto";  ///< or pointwise, constant; chosen with the mesh
   MaterialOptions material;
   std::vector<RegionOptions> regions;
   std::vector<ConstraintOptions> constraints;

@@ -7,9 +7,10 @@
 #include <utility>
 #include <vector>
 
-#include "scene/initial_displacement.hpp"
+#include "scene/body_materials.hpp"
 #include "solve/loose_path.hpp"
 #include "solve/saved_numbers.hpp"
+#include "solve/soft_start.hpp"
 #include "solve/start.hpp"
 #include "support/petsc_compatibility.hpp"
 
@@ -38,6 +39,7 @@ class Tries {
 
   PetscErrorCode save(SavedRun *run) const;
   PetscErrorCode go_on();
+  PetscErrorCode soften();
   PetscErrorCode start_leap();
   PetscErrorCode leap(bool may_fail, Attempt *end);
   PetscErrorCode find_bound();
@@ -100,12 +102,25 @@ PetscErrorCode Tries::go_on() {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// Nearer to the end, where that is worth a solve.
+PetscErrorCode Tries::soften() {
+  PetscLogDouble now = 0;
+  AttemptRecord record;
+  PetscFunctionBeginUser;
+  if (!softens_start(scene_)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscTime(&now));
+  PetscCall(soften_start(scene_, now - begin_, checkpoint_, outcome_, &record));
+  if (!record.json.empty()) leap_records_.push_back(std::move(record));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /// Back to where a leap starts, from a path.
 PetscErrorCode Tries::start_leap() {
   PetscFunctionBeginUser;
   PetscCall(LoadPath(scene_).set_time(1));
   PetscCall(VecSet(scene_.displacement, 0));
   PetscCall(make_start(scene_, outcome_));
+  PetscCall(soften());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -142,7 +157,7 @@ PetscErrorCode Tries::return_to_leap() {
 /// leap from fitted rotations may end lower. Where it is dear it takes long, and does not.
 bool Tries::leap_may_be_lower() const {
   return path_counts_ && attempt_.inverted > 0 && !end_of_leap_ &&
-         choose_initial(scene_.options) == "arap";
+         !is_nearly_incompressible(scene_.options);
 }
 
 PetscErrorCode Tries::leap_beside_path() {
@@ -229,7 +244,11 @@ PetscErrorCode Tries::go() {
     PetscCall(go_on());
   } else {
     PetscCall(make_start(scene_, outcome_));
-    if (is_above(outcome_->inverted_at_start, hard_share, scene_)) stage_ = Stage::path;
+    if (is_above(outcome_->inverted_at_start, hard_share, scene_)) {
+      stage_ = Stage::path;
+    } else {
+      PetscCall(soften());
+    }
   }
   if (stage_ == Stage::leap || stage_ == Stage::leap_behind_path) {
     PetscCall(leap(false, &attempt_));

@@ -17,6 +17,7 @@ PetscErrorCode describe_mesh(const Scene &scene, MeshReport *report) {
   report->elements = mesh.total_cells;
   report->parts = mesh.parts;
   report->element = mesh.element_name();
+  report->element_pressure = scene.options.element_pressure;
   report->dofs = mesh.dimension() * mesh.total_vertices;
   report->free_dofs = scene.discretization.total_dofs();
   report->edge_cut = mesh.edge_cut;

@@ -40,7 +40,7 @@ class RunRecord {
   std::string step_;
   std::string only_;  ///< the record of the only solve
   int solves_ = 0;
-  int last_number_ = 0;  ///< of the last step that was not rejected
+  int last_number_ = -1;  ///< of the last step that was not rejected
   bool any_rejected_ = false;
   Json last_;  ///< the last solve's, with the sums of all
   Json history_ = Json::array(), iterations_ = Json::array();

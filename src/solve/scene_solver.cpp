@@ -114,8 +114,9 @@ PetscErrorCode SceneSolver::set_direction_tolerance(double tolerance) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode SceneSolver::loosen(double energy_tolerance) {
+PetscErrorCode SceneSolver::loosen(double energy_tolerance, bool takes_last) {
   PetscFunctionBeginUser;
+  if (takes_last) PetscCall(TrefoilSNESSetTakeLast(snes_, PETSC_TRUE));
   PetscCall(TrefoilSNESSetTolerances(snes_, 0, energy_tolerance));
   PetscCall(TrefoilSNESSetVerifyMinimum(snes_, PETSC_FALSE));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -230,13 +231,15 @@ PetscErrorCode solve_from_start(Scene &scene, const AttemptOptions &options, Che
   EnergySums start;
   PetscFunctionBeginUser;
   PetscCall(solver.set_up(outcome, options.head_start));
-  PetscCall(solver.watch(checkpoint, true));
+  if (options.is_saved) PetscCall(solver.watch(checkpoint, true));
   if (options.goes_on) {
     PetscCall(checkpoint.fetch("displacement", scene.displacement));
     PetscCall(solver.go_on(checkpoint));
     checkpoint.end_start();
   }
-  if (options.loose_tolerance > 0) PetscCall(solver.loosen(options.loose_tolerance));
+  if (options.loose_tolerance > 0) {
+    PetscCall(solver.loosen(options.loose_tolerance, options.takes_last));
+  }
   PetscCall(scene.functional->energy(scene.displacement, &start));
   if (options.may_fail && !std::isfinite(start.energy)) {
     attempt->reason = "its start has infinite energy";

@@ -37,6 +37,10 @@ class ElasticTerm final : public Term, private PackedElements {
   ElasticTerm(const Mesh &mesh, std::shared_ptr<const ElementPacks> packs, MaterialRuns materials,
               FilterSpace space, ElementPressure pressure = ElementPressure::pointwise);
 
+  /// Takes other materials for the same cells, and gives back those it had. What is known of the
+  /// body at rest stays: rest_energy() and stiffness().
+  void exchange_materials(MaterialRuns &other) { std::swap(materials_, other); }
+
   PetscErrorCode add_energy(const double *u, EnergySums *sums) const override;
   [[nodiscard]] double rest_energy() const override { return rest_energy_; }
   [[nodiscard]] double stiffness() const override { return stiffness_; }

@@ -2,7 +2,9 @@
 // by table.py. A volume-preserving deformation of the unit square or cube with all the boundary
 // held: its stresses do not depend on Poisson's ratio, so that what grows with it is locking.
 //
-//   table_case tri3|tri6|tet4|tet10 POISSON RESOLUTION
+//   table_case tri3|tri6|tri6_p0|tet4|tet10|tet10_p0 POISSON RESOLUTION
+//
+// _p0: with a constant pressure each, P2-P0.
 //
 // Prints: element, nu, resolution, unknowns, error L2, error H1, iterations, seconds, megabytes.
 
@@ -25,7 +27,10 @@ namespace {
 PetscErrorCode run(const std::string &element, double poisson, PetscInt resolution) {
   const Manufactured exact{element.substr(0, 3) == "tri" ? 2 : 3, 0.08, 0};
   CellList mesh = generate_mesh(exact.dimension == 2 ? "square" : "box", resolution, 0);
-  if (element == "tri6" || element == "tet10") promote_to_quadratic(mesh);
+  const bool is_linear = element == "tri3" || element == "tet4";
+  const auto pressure =
+      element.ends_with("_p0") ? ElementPressure::constant : ElementPressure::pointwise;
+  if (!is_linear) promote_to_quadratic(mesh);
   order_along_curve(mesh);
   // The shear modulus is one whatever nu.
   const StableNeoHookean material({2 * (1 + poisson), poisson}, StableNeoHookean::Lame::physical);
@@ -35,13 +40,15 @@ PetscErrorCode run(const std::string &element, double poisson, PetscInt resoluti
   PetscLogDouble bytes = 0;
   PetscFunctionBeginUser;
   PetscCall(PetscMemorySetGetMaximumUsage());
-  PetscCall(problem.set_up(mesh, make_material_model(material),
-                           [&](const double *p, int i) -> std::optional<double> {
-                             for (int k = 0; k < exact.dimension; ++k)
-                               if (p[k] < 1e-9 || p[k] > 1 - 1e-9)
-                                 return exact.displacement(p)[static_cast<std::size_t>(i)];
-                             return {};
-                           }));
+  PetscCall(problem.set_up(
+      mesh, make_material_model(material),
+      [&](const double *p, int i) -> std::optional<double> {
+        for (int k = 0; k < exact.dimension; ++k)
+          if (p[k] < 1e-9 || p[k] > 1 - 1e-9)
+            return exact.displacement(p)[static_cast<std::size_t>(i)];
+        return {};
+      },
+      pressure));
   problem.add_body_force([&](const double *p) { return exact.body_force(*model, p); });
   // From near the solution: from the moved boundary alone fine meshes crumple into other minima.
   PetscCall(problem.start_from([&](const double *p) { return exact.displacement(p); }));

@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """Quadratic elements that keep their volume on the mean: every path and number of ranks, what they
-cure, the stresses that are written, and what is refused."""
+cure, where they are the default, how few iterations they take, the stresses that are written, and what
+is refused."""
 import json
 import os
 import tempfile
@@ -15,6 +16,7 @@ from boxes import TIGHT, energy
 from trefoil_program import record_of, run
 
 MEAN = ["-order", "2", "-element_pressure", "constant"]
+POINTWISE = ["-order", "2", "-element_pressure", "pointwise"]
 SQUARE = ["-mesh_generate", "square", "-mesh_resolution", "4", "-constraints", "low,high",
           "-constraint_low_where", "y == ymin", "-constraint_high_where", "y == ymax",
           "-constraint_high_move", "0.2, 0.4"]
@@ -47,7 +49,7 @@ class EveryPath(unittest.TestCase):
             self.assertEqual(record["status"], 0, record["printed"])
             return record["result"]["strain_energy"]
         linear, pointwise, mean = (stored(0.4999, *options) / stored(0.45, *options)
-                                   for options in ([], ["-order", "2"], MEAN))
+                                   for options in ([], POINTWISE, MEAN))
         self.assertLess(mean, pointwise)
         self.assertLess(pointwise, linear)
 
@@ -56,8 +58,8 @@ class EveryPath(unittest.TestCase):
         """The virtual work of the reactions in a stretch along z is the integral of P_zz, the stress
         at one pressure an element: that of pointwise J differs at nu .4999."""
         with tempfile.TemporaryDirectory() as folder:
-            finished = run(BOX + MEAN + TIGHT + [
-                "-material_model", "neo_hookean", "-material_poisson", "0.4999", "-output_file",
+            finished = run(BOX + MEAN + [
+                "-snes_trefoil_energy_tolerance", "1e-18", "-material_model", "neo_hookean", "-material_poisson", "0.4999", "-output_file",
                 "out.xdmf", "-output_fields", "first_piola", "-snes_trefoil_record", "record.json"],
                 folder=folder)
             self.assertEqual(finished.returncode, 0, finished.stdout)
@@ -69,13 +71,72 @@ class EveryPath(unittest.TestCase):
         self.assertLess(abs(cells.reshape(-1, 9)[:, 8].mean() / pulled[0] - 1), 1e-7)
 
 
+class Default(unittest.TestCase):
+    def test_above_a_poisson_ratio_where_it_can_be(self):
+        half = ["-regions", "half", "-region_half_where", "z < 0.5"]
+        for options, expected in (
+                (["-order", "2", "-material_poisson", "0.46"], "constant"),
+                (["-order", "2", "-material_poisson", "0.45"], "pointwise"),
+                (["-order", "1", "-material_poisson", "0.46"], "pointwise"),
+                ([*POINTWISE, "-material_poisson", "0.49"], "pointwise"),
+                (["-order", "2", "-material_poisson", "0.3", *half, "-region_half_material_poisson",
+                  "0.49"], "constant"),
+                (["-order", "2", "-material_poisson", "0.49", *half, "-region_half_material_model",
+                  "corotated"], "pointwise"),
+                (["-order", "2", "-material_poisson", "0.49", "-snes_trefoil_space",
+                  "deformation"], "pointwise")):
+            with self.subTest(options=options):
+                record = record_of(BOX + ["-material_model", "neo_hookean", *options])
+                self.assertEqual(record["status"], 0, record["printed"])
+                self.assertEqual(record["mesh"]["element_pressure"], expected)
+                self.assertEqual("a constant pressure each" in record["printed"],
+                                 expected == "constant")
+
+    def test_forced_is_what_was_chosen(self):
+        options = BOX + TIGHT + ["-order", "2", "-material_poisson", "0.495"]
+        chosen, forced, pointwise = (
+            energy(record_of(options + more))
+            for more in ([], ["-element_pressure", "constant"], ["-element_pressure", "pointwise"]))
+        self.assertLess(abs(chosen / forced - 1), 1e-12)
+        self.assertGreater(abs(chosen / pointwise - 1), 1e-4)
+
+
+class SoftStart(unittest.TestCase):
+    """The cube of tests/accuracy/incompressible.py."""
+    TURNED = ["-mesh_generate", "box", "-mesh_resolution", "6", "-order", "2", "-material_model",
+              "neo_hookean", "-material_young", "1", *BOX[4:-2], "-constraint_high_move",
+              "-(x-0.5)/2-(y-0.5)*sqrt(3)/2, (x-0.5)*sqrt(3)/2-(y-0.5)/2, 0.5"]
+
+    def record(self, poisson, *options, ranks=1):
+        record = record_of([*self.TURNED, "-material_poisson", str(poisson), *options], ranks)
+        self.assertEqual(record["status"], 0, record["printed"])
+        return record
+
+    def test_few_iterations_to_the_same_minimum(self):
+        directly = self.record(0.4999, "-initial", "arap", *TIGHT)
+        self.assertNotIn("softer body", directly["printed"])
+        for ranks in (1, 2):
+            with self.subTest(ranks=ranks):
+                record = self.record(0.4999, *TIGHT, ranks=ranks)
+                result = record["result"]
+                self.assertIn("softer body", record["printed"])
+                self.assertEqual(record["printed"].count("linear solver:"), 1)
+                self.assertEqual(sum(result["load_step_iterations"]), result["iterations"])
+                self.assertLess(result["iterations"], 0.6 * directly["result"]["iterations"])
+                self.assertLess(abs(energy(record) / energy(directly) - 1), 1e-9)
+
+    def test_only_where_it_pays(self):
+        for poisson, options in ((0.49, []), (0.4999, ["-element_pressure", "pointwise"])):
+            self.assertNotIn("softer body", self.record(poisson, *options)["printed"])
+
+
 class Refused(unittest.TestCase):
     def test_in_a_sentence(self):
         for options, words in (
                 (["-order", "1", "-element_pressure", "constant"], "add -order 2"),
                 (MEAN + ["-snes_trefoil_space", "deformation"], "-snes_trefoil_space element"),
                 (MEAN + ["-material_model", "corotated"], "corotated has none"),
-                (["-order", "2", "-element_pressure", "mean"], "pointwise, constant")):
+                (["-order", "2", "-element_pressure", "mean"], "auto, pointwise, constant")):
             for ranks in (1, 2):
                 with self.subTest(options=options, ranks=ranks):
                     finished = run(BOX + options, ranks)

@@ -146,6 +146,15 @@ class Words(unittest.TestCase):
                 self.assertEqual("WARNING: linear elements lock" in record["printed"], locks)
                 self.assertIn("-order 2" if locks else "", "".join(warnings))
 
+    def test_how_much_they_lock_by_poisson_and_dimension(self):
+        flat = ["-mesh_generate", "square", "-mesh_resolution", "2", "-constraints", "low",
+                "-constraint_low_where", "y == ymin"]
+        for scene, poisson, words, excess in ((ENDS, "0.46", "0.46 a twisted cube", "8.5 %"),
+                                      (ENDS, "0.4998", "0.4999 a twisted cube", "513 %"),
+                                      (flat, "0.4998", "0.4999 a sheared square", "11 %")):
+            with self.subTest(scene=scene, poisson=poisson):
+                self.assertIn(f"At {words} of 8 cells an edge stores {excess} too much", run([*scene, "-material_poisson", poisson, "-check"]).stdout)
+
     def test_the_default_material_is_said(self):
         scene = ["-mesh_generate", "box", "-mesh_resolution", "2", "-constraints", "low",
                  "-constraint_low_where", "z == zmin"]

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <string>
+
+namespace trefoil {
+
+/// That linear elements lock in a body, and how much too stiff they were measured to be in one
+/// whose Poisson's ratio is near.
+/// @param dimension 2 or 3
+/// @param poisson the body's, above 0.4545
+std::string warn_of_locking(int dimension, double poisson);
+
+}  // namespace trefoil
