@@ -162,13 +162,13 @@ PetscErrorCode Problem::start_from(const VectorField &displacement) {
 PetscErrorCode Problem::solve(double energy_tolerance) {
   PetscLogDouble begin = 0, end = 0;
   PetscFunctionBeginUser;
-  PetscCall(PetscGetCPUTime(&begin));
+  PetscCall(PetscTime(&begin));
   PetscCall(TrefoilInitializePackage());
   iterations = 0;
   PetscCall(functional_->set_time(1));  // takes the forces as they are
   PetscCall(solve_by("adaptive", std::max(1e-7, energy_tolerance)));
   PetscCall(solve_by("newton", energy_tolerance));
-  PetscCall(PetscGetCPUTime(&end));
+  PetscCall(PetscTime(&end));
   solve_seconds = end - begin;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -78,7 +78,7 @@ class Problem {
   Mesh mesh;
   Discretization discretization;
   int iterations = 0;
-  double solve_seconds = 0;  ///< of the processor, on this rank
+  double solve_seconds = 0;
 
  private:
   PetscErrorCode solve_by(const char *filter, double energy_tolerance);

@@ -193,7 +193,7 @@ def draw(rows, path):
     for panel, nu in zip(panels[0], poissons):
         panel.set_title(f"nu {nu}")
     panels[0][0].legend(fontsize=8)
-    figure.savefig(path, dpi=120)
+    figure.savefig(path, dpi=80)
 
 
 def main():
