@@ -184,6 +184,9 @@ PetscErrorCode TrefoilSNESSetTrustStart(SNES snes, PetscBool trust);
 PetscErrorCode TrefoilSNESSetProxy(SNES snes, TrefoilProxy proxy);
 /* Most Shamanskii steps an iteration; -1: 8 where the linear solver is direct, else none. */
 PetscErrorCode TrefoilSNESSetCorrections(SNES snes, PetscInt most);
+/* Most steps of conjugate gradients that turn a filtered direction into Newton's; -1: 8 with filter
+   `newton_first` where the linear solver is direct, else none. */
+PetscErrorCode TrefoilSNESSetNewtonSteps(SNES snes, PetscInt most);
 /* For solves that follow each other, as in time: the rule goes on from the last one's last step. */
 PetscErrorCode TrefoilSNESSetContinue(SNES snes, PetscBool goes_on);
 /* Tolerances on the Newton decrement, in energy units, and on the decrement over the energy scale;

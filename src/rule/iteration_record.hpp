@@ -24,6 +24,7 @@ struct IterationRecord {
   DefiniteBy definite_by = DefiniteBy::nothing;  ///< at weights below 1/2
   int trials = 0;                                ///< energies evaluated at trial points
   int shamanskii_steps = 0;                      ///< further steps from the same factors
+  int newton_steps = 0;       ///< of conjugate gradients that turned the direction into Newton's
   double decrement = none;    ///< |g'd| / 2 of the full direction d, energy units
   double indefinite = 0;      ///< share of the elements with a negative eigenvalue, 0..1
   int linear_iterations = 0;  ///< of the Krylov solver

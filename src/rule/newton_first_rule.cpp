@@ -8,10 +8,12 @@ namespace trefoil {
 namespace {
 
 /// Newton's own Hessian, or nearly, where it is definite. After a step that the model has predicted
-/// as a trust region wants it to be enlarged, 3/4 < rho < 5/4, w = 0 is tried; where that Hessian
-/// turns out to be indefinite, small weights, each four times the last, and then what the adaptive
-/// rule says. Newton's is tried again once the decrement has fallen by a factor of `patience`;
-/// until then the weight is a quarter of the last one. Far from a minimum it is the adaptive rule.
+/// as a trust region wants it to be enlarged, 3/4 < rho < 5/4, and after one of which there is no
+/// ratio (it has met boundary values, and says nothing against the model), w = 0 is tried; where
+/// that Hessian turns out to be indefinite, small weights, each four times the last, and then what
+/// the adaptive rule says. Newton's is tried again once the decrement has fallen by a factor of
+/// `patience`; until then the weight is a quarter of the last one. Far from a minimum it is the
+/// adaptive rule.
 class NewtonFirstRule final : public Rule {
  public:
   explicit NewtonFirstRule(double tolerance) : tolerance_(tolerance) {}
@@ -23,12 +25,12 @@ class NewtonFirstRule final : public Rule {
   }
 
   double next(const IterationRecord &last) override {
-    // A ratio that is not a number compares false: no evidence for the model.
     const double error = std::abs(last.rho - 1);
-    filtered_ = error < tolerance_ ? 0.5 : 1;
+    filtered_ = error < tolerance_ ? 0.5 : 1;  // 1 without a ratio
     decrement_ = last.decrement;
     if (last.weight == 0) refused_decrement_ = std::numeric_limits<double>::infinity();
-    if (!(error < good_model)) return filtered_;
+    if (std::isnan(last.rho)) return 0;
+    if (error >= good_model) return filtered_;
     if (decrement_ < refused_decrement_ / patience) return 0;
     return or_filtered(std::max(least, last.weight / factor));
   }
@@ -45,6 +47,7 @@ class NewtonFirstRule final : public Rule {
   }
 
   [[nodiscard]] bool uses_rho() const override { return true; }
+  [[nodiscard]] bool prefers_newton() const override { return true; }
 
  private:
   static constexpr double good_model = 0.25, patience = 10, factor = 4, least = 1.0 / 32;

@@ -31,6 +31,8 @@ class Rule {
   [[nodiscard]] virtual double least_weight() const { return 0.5; }
   /// Whether it looks at the trust-region ratio, and so at -snes_trefoil_rho_tolerance.
   [[nodiscard]] virtual bool uses_rho() const { return false; }
+  /// Whether the direction is to be Newton's as far as the Hessian is positive along the way.
+  [[nodiscard]] virtual bool prefers_newton() const { return false; }
   /// Whether it chooses weights with which the Jacobian may be indefinite, and knows what then.
   [[nodiscard]] virtual bool may_be_rejected() const { return false; }
   /// The weight to try instead of that of the iteration under way, whose Jacobian turned out to be

@@ -16,6 +16,9 @@ struct SearchOptions {
   /// direct, none where it is iterative and each costs nearly as much as the first.
   int shamanskii_steps = -1;
   double shamanskii_gain = 0.03;  ///< least share of the first step's decrease to go on
+  /// Most steps of conjugate gradients that turn a filtered direction into Newton's; -1: 8 where
+  /// the rule prefers that and the linear solver is direct, else none.
+  int newton_steps = -1;
 };
 
 /// When a solve has come to its end.

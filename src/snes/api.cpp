@@ -53,6 +53,13 @@ PetscErrorCode TrefoilSNESSetCorrections(SNES snes, PetscInt most) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode TrefoilSNESSetNewtonSteps(SNES snes, PetscInt most) {
+  PetscFunctionBegin;
+  PetscCall(change_options(
+      snes, [=](SolverOptions &options) { options.search.newton_steps = static_cast<int>(most); }));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode TrefoilSNESSetTrustStart(SNES snes, PetscBool trust) {
   PetscFunctionBegin;
   PetscCall(change_options(

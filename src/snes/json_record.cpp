@@ -40,6 +40,7 @@ Json iteration_json(const IterationRecord &entry, double offset) {
           {"definite_by", definite_by_json(entry.definite_by)},
           {"trials", entry.trials},
           {"corrections", entry.shamanskii_steps},
+          {"newton_steps", entry.newton_steps},
           {"decrement", number(entry.decrement)},
           {"gradient_norm", number(entry.gradient_norm)},
           {"indefinite", number(entry.indefinite)},

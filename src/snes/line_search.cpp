@@ -9,6 +9,9 @@
 
    with u'Hu = u'(H + 2 w N) u - 2 w u'N u: the unfiltered model costs two products, no assembly.
 
+   The direction of a filtered Jacobian may first be turned into Newton's, by conjugate gradients
+   with the same factors (-snes_trefoil_newton_steps).
+
    With -snes_trefoil_search subspace the search begins at the energy's minimum in the plane of d
    and the previous step, and is followed by Shamanskii steps, from the factors of the same
    Jacobian.
@@ -22,6 +25,7 @@
 #include "search/direction.hpp"
 #include "search/energy_check.hpp"
 #include "search/inexact.hpp"
+#include "search/newton_direction.hpp"
 #include "search/shamanskii.hpp"
 #include "search/step.hpp"
 #include "search/stop_test.hpp"
@@ -176,6 +180,10 @@ static PetscErrorCode search_and_step(Solver &solver, SNESLineSearch search,
   PetscCall(SNESLineSearchGetTolerances(search, nullptr, nullptr, nullptr, nullptr, nullptr,
                                         &most_trials));
   PetscCall(SNESLineSearchGetDamping(search, &first_step));
+  if (solver.uses_hessian()) {
+    PetscCall(
+        turn_to_newton(options, *solver.rule, solver.snes, solver.jacobian, state, solver.record));
+  }
   if (in_plane) PetscCall(minimise_in_plane(solver.jacobian, solver.memory, state));
   PetscCall(state.work.get(Work::product, state.x, &product));
   if (solver.uses_hessian()) {
@@ -385,6 +393,9 @@ static PetscErrorCode SNESLineSearchView_Trefoil(SNESLineSearch search, PetscVie
      linear solver; -1: 8 where it is direct, else 0
 .  -snes_trefoil_correction_gain <0.03> - subspace: least share of the first step's decrease to
      go on
+.  -snes_trefoil_newton_steps <-1> - Most steps of conjugate gradients on the unfiltered Hessian
+     that turn a filtered direction into Newton's, by the same linear solver; -1: 8 with filter
+     newton_first where it is direct, else 0
 .  -snes_trefoil_trust_start <false> - subspace: from the first iteration; false: once |rho - 1|
      is small
 .  -snes_trefoil_decrement_tolerance <0> - Stop when the Newton decrement |g'd|/2 is below

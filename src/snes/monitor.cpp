@@ -32,8 +32,8 @@ PetscErrorCode print_iteration(MPI_Comm comm, const IterationRecord &iteration,
   PetscCall(PetscPrintf(comm, "%4d %21.14e %10.3e %7.3f %10s %8s %6.3f %6d %6d %5s %8.2f\n",
                         iteration.k, iteration.energy + energy_offset, iteration.gradient_norm,
                         iteration.weight, decrement.c_str(), rho.c_str(), iteration.step,
-                        iteration.trials, 1 + iteration.shamanskii_steps, indefinite.c_str(),
-                        iteration.seconds));
+                        iteration.trials, 1 + iteration.newton_steps + iteration.shamanskii_steps,
+                        indefinite.c_str(), iteration.seconds));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -91,6 +91,13 @@ std::vector<Option> table_of(SolverOptions &options) {
       {"snes_trefoil_correction_gain",
        "subspace: least share of the first step's decrease to go on",
        Number{&search.shamanskii_gain, is_not_negative, not_negative}, nullptr, without_planes},
+      {"snes_trefoil_newton_steps",
+       "Most steps of conjugate gradients on the unfiltered Hessian that turn a filtered direction "
+       "into Newton's, by the same linear solver; -1: 8 with filter newton_first where it is "
+       "direct, "
+       "else 0",
+       WholeNumber{&search.newton_steps, [](double value) { return value >= -1; },
+                   "must be at least -1"}},
       {"snes_trefoil_trust_start",
        "subspace: from the first iteration; false: once |rho - 1| is small", &search.trust_start,
        nullptr, without_planes},
