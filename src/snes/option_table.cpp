@@ -46,10 +46,37 @@ static std::vector<std::string> names_of(const char *const *enumeration) {
   return names;
 }
 
+/// When a solve has come to its end.
+static std::vector<Option> rows_of(StopOptions &stop) {
+  return {
+      {"snes_trefoil_decrement_tolerance",
+       "Stop when the Newton decrement |g'd|/2 is below (energy units, 0 off)",
+       Number{&stop.decrement_tolerance, is_not_negative, not_negative}},
+      {"snes_trefoil_energy_tolerance",
+       "Stop when the decrement over the energy scale is below (dimensionless, 0 off; off where "
+       "decrement_tolerance is set)",
+       Number{&stop.energy_tolerance, is_not_negative, not_negative}, &stop.energy_tolerance_set},
+      {"snes_trefoil_direction_tolerance",
+       "Stop when the direction is no larger, at filter weights up to 1/2: no entry of it, or no "
+       "point's vector where the host says so (units of the unknowns, 0 off)",
+       Number{&stop.direction_tolerance, is_not_negative, not_negative}},
+      {"snes_trefoil_take_last",
+       "The direction that meets a stop test is followed before the solve ends", &stop.takes_last},
+      {"snes_trefoil_verify_minimum",
+       "Where the stop test is met, look for negative curvature of the unfiltered Hessian, and "
+       "leave a saddle along it (off where decrement_tolerance is set)",
+       &stop.verify_minimum, &stop.verify_minimum_set},
+      {"snes_trefoil_verify_share",
+       "verify_minimum with an iterative solver: the most that it may take, as a share of the "
+       "solve; "
+       "0: no bound",
+       Number{&stop.verify_share, is_not_negative, not_negative}},
+  };
+}
+
 std::vector<Option> table_of(SolverOptions &options) {
   SearchOptions &search = options.search;
-  StopOptions &stop = options.stop;
-  return {
+  std::vector<Option> table = {
       {"snes_trefoil_filter", "Filter of the element Hessians: " + join(rule_names()),
        NamedChoice{rule_names(), &options.filter, "filter"}},
       {"snes_trefoil_rho_tolerance",
@@ -101,36 +128,21 @@ std::vector<Option> table_of(SolverOptions &options) {
       {"snes_trefoil_trust_start",
        "subspace: from the first iteration; false: once |rho - 1| is small", &search.trust_start,
        nullptr, without_planes},
-      {"snes_trefoil_decrement_tolerance",
-       "Stop when the Newton decrement |g'd|/2 is below (energy units, 0 off)",
-       Number{&stop.decrement_tolerance, is_not_negative, not_negative}},
-      {"snes_trefoil_energy_tolerance",
-       "Stop when the decrement over the energy scale is below (dimensionless, 0 off; off where "
-       "decrement_tolerance is set)",
-       Number{&stop.energy_tolerance, is_not_negative, not_negative}, &stop.energy_tolerance_set},
-      {"snes_trefoil_direction_tolerance",
-       "Stop when the direction is no larger, at filter weights up to 1/2: no entry of it, or no "
-       "point's vector where the host says so (units of the unknowns, 0 off)",
-       Number{&stop.direction_tolerance, is_not_negative, not_negative}},
-      {"snes_trefoil_take_last",
-       "The direction that meets a stop test is followed before the solve ends", &stop.takes_last},
-      {"snes_trefoil_verify_minimum",
-       "Where the stop test is met, look for negative curvature of the unfiltered Hessian, and "
-       "leave a saddle along it (off where decrement_tolerance is set)",
-       &stop.verify_minimum, &stop.verify_minimum_set},
-      {"snes_trefoil_verify_share",
-       "verify_minimum with an iterative solver: the most that it may take, as a share of the "
-       "solve; "
-       "0: no bound",
-       Number{&stop.verify_share, is_not_negative, not_negative}},
-      {"snes_trefoil_monitor", "One line an iteration", &options.monitor},
-      {"snes_trefoil_record", "Write a JSON record of the solve to a file", &options.record_file},
-      {"snes_linesearch_shrink", "Factor from a step length to the next",
-       Number{&search.shrink, is_positive_share, "must lie between 0 and 1"}},
-      {"snes_linesearch_armijo", "Share of the predicted decrease to reach",
-       Number{&search.armijo, [](double value) { return value >= 0 && value < 0.5; },
-              "must be at least 0 and below 0.5"}},
   };
+  const std::vector<Option> ends = rows_of(options.stop);
+  table.insert(table.end(), ends.begin(), ends.end());
+  table.insert(table.end(),
+               {
+                   {"snes_trefoil_monitor", "One line an iteration", &options.monitor},
+                   {"snes_trefoil_record", "Write a JSON record of the solve to a file",
+                    &options.record_file},
+                   {"snes_linesearch_shrink", "Factor from a step length to the next",
+                    Number{&search.shrink, is_positive_share, "must lie between 0 and 1"}},
+                   {"snes_linesearch_armijo", "Share of the predicted decrease to reach",
+                    Number{&search.armijo, [](double value) { return value >= 0 && value < 0.5; },
+                           "must be at least 0 and below 0.5"}},
+               });
+  return table;
 }
 
 std::string name_in(const NamedChoice &choice) {
