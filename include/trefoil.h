@@ -298,6 +298,8 @@ typedef struct {
   PetscBool trusts_model; /* the quadratic model has been seen to predict well */
   PetscReal proxy_scale;  /* length of a proxy's directions, by the last step along one */
   Vec previous_step;      /* of search `subspace`; NULL where there is none */
+  /* decrement with which a rule's last Jacobian was refused as indefinite; infinity: none was */
+  PetscReal refused_decrement;
 } TrefoilSearchState;
 
 /*

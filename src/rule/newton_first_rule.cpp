@@ -46,6 +46,9 @@ class NewtonFirstRule final : public Rule {
     return least;
   }
 
+  [[nodiscard]] double refused_decrement() const override { return refused_decrement_; }
+  void set_refused_decrement(double decrement) override { refused_decrement_ = decrement; }
+
   [[nodiscard]] bool uses_rho() const override { return true; }
   [[nodiscard]] bool prefers_newton() const override { return true; }
 

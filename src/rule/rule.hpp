@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -38,6 +39,12 @@ class Rule {
   /// The weight to try instead of that of the iteration under way, whose Jacobian turned out to be
   /// indefinite; none: the solve ends there.
   virtual std::optional<double> rejected(const IterationRecord &) { return std::nullopt; }
+  /// The decrement with which its last Jacobian turned out to be indefinite, where that keeps it
+  /// from another attempt; infinity: nothing does. A solve that goes on from a file gives it back.
+  [[nodiscard]] virtual double refused_decrement() const {
+    return std::numeric_limits<double>::infinity();
+  }
+  virtual void set_refused_decrement(double) {}
   /// What the last answer has failed with, a host's own error code; 0: nothing.
   [[nodiscard]] virtual int error() const { return 0; }
 };

@@ -32,6 +32,9 @@ class ThreeStateRule final : public Rule {
     return 0.5;
   }
 
+  [[nodiscard]] double refused_decrement() const override { return refused_decrement_; }
+  void set_refused_decrement(double decrement) override { refused_decrement_ = decrement; }
+
   [[nodiscard]] bool uses_rho() const override { return true; }
 
  private:

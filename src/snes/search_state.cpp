@@ -24,6 +24,7 @@ PetscErrorCode TrefoilSNESGetSearchState(SNES snes, TrefoilSearchState *state) {
   if (last) state->last = trefoil::as_hosts_see(*last);
   state->trusts_model = solver->memory.trusts_model ? PETSC_TRUE : PETSC_FALSE;
   state->proxy_scale = solver->memory.proxy_scale;
+  state->refused_decrement = solver->rule->refused_decrement();
   if (solver->memory.previous_step_known) {
     PetscCall(solver->memory.vectors.get(Work::previous_step, nullptr, &state->previous_step));
   }
@@ -55,6 +56,7 @@ PetscErrorCode TrefoilSNESSetSearchState(SNES snes, const TrefoilSearchState *st
   }
   memory.trusts_model = memory.trusts_model || state->trusts_model;
   memory.proxy_scale = state->proxy_scale;
+  solver->rule->set_refused_decrement(state->refused_decrement);
   memory.previous_step_known = memory.keeps_steps && state->previous_step;
   if (memory.previous_step_known) {
     Vec own = nullptr;

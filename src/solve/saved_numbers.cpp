@@ -1,5 +1,7 @@
 #include "solve/saved_numbers.hpp"
 
+#include <cmath>
+
 #include "output/saved_states.hpp"
 
 namespace trefoil {
@@ -8,6 +10,7 @@ nlohmann::ordered_json json_of(const TrefoilSearchState &state) {
   const TrefoilIteration &last = state.last;
   nlohmann::ordered_json json{{"trusts_model", state.trusts_model == PETSC_TRUE},
                               {"proxy_scale", state.proxy_scale}};
+  if (std::isfinite(state.refused_decrement)) json["refused_decrement"] = state.refused_decrement;
   if (state.has_last) {
     json["last"] = {{"k", last.k},
                     {"energy", last.energy},
@@ -25,6 +28,7 @@ TrefoilSearchState search_state_of(const nlohmann::ordered_json &json) {
   TrefoilSearchState state{};
   state.trusts_model = json.at("trusts_model").get<bool>() ? PETSC_TRUE : PETSC_FALSE;
   state.proxy_scale = json.at("proxy_scale");
+  state.refused_decrement = json.value("refused_decrement", double{INFINITY});
   state.has_last = json.contains("last") ? PETSC_TRUE : PETSC_FALSE;
   if (state.has_last) {
     const auto &last = json.at("last");

@@ -234,6 +234,16 @@ TEST(ThreeStateRuleTest, ForgetsARejectionOfTheLastSolve) {
   EXPECT_EQ(rule->next(trusted_with(clamp, 1)), 0);
 }
 
+TEST(ThreeStateRuleTest, GoesOnAfterARejectionThatAnotherHasSeen) {
+  const auto before = make_rule("three_state", {}), after = make_rule("three_state", {});
+  before->first();
+  after->first();
+  EXPECT_EQ(before->rejected(refused_with(0, 1.0)), clamp);
+  after->set_refused_decrement(before->refused_decrement());
+  EXPECT_EQ(after->next(trusted_with(clamp, 0.02)), clamp);
+  EXPECT_EQ(after->next(trusted_with(clamp, 0.005)), 0);
+}
+
 IterationRecord step_of(double rho, double weight, double decrement) {
   IterationRecord record = trusted_with(weight, decrement);
   record.rho = rho;
