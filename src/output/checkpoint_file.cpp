@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -24,7 +25,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int version = 1;
+constexpr int version = 2;
 const char *const numbers_dataset = "/checkpoint";
 const char *const group = "/fields";
 const char *const advice = "; name a file that -checkpoint has written";
@@ -35,6 +36,15 @@ MPI_Comm comm_of(const Mesh &mesh) {
 
 std::string dataset_of(const std::string &field) {
   return std::string(group) + "/" + field;
+}
+
+/// FNV-1a [Fowler, Noll, Vo 1991]: a text of which a letter is another one has another number.
+std::uint64_t check_of(const std::string &text) {
+  std::uint64_t hash = 0xcbf29ce484222325;
+  for (const char letter : text) {
+    hash = (hash ^ static_cast<unsigned char>(letter)) * 0x100000001b3;
+  }
+  return hash;
 }
 
 /// Writes a text as a list of the numbers of its letters, from the first rank.
@@ -63,7 +73,12 @@ Json read_numbers(const std::string &path) {
   const Hdf5Reader file(path, advice);
   if (!file.has(numbers_dataset)) file.fail("is no checkpoint of Trefoil");
   const auto letters = file.integers(numbers_dataset, 0, file.size(numbers_dataset));
-  Json numbers = Json::parse(std::string(letters.begin(), letters.end()), nullptr, false);
+  const std::string text(letters.begin(), letters.end());
+  const std::size_t end = text.rfind(' ');  // before its check
+  const bool is_whole = end != std::string::npos &&
+                        text.substr(end + 1) == std::to_string(check_of(text.substr(0, end)));
+  if (!is_whole) file.fail("is damaged, or of another version of Trefoil");
+  Json numbers = Json::parse(text.substr(0, end), nullptr, false);
   if (!numbers.is_object() || numbers.value("checkpoint", 0) != version) {
     file.fail("is no checkpoint that this version of Trefoil can read");
   }
@@ -107,7 +122,8 @@ PetscErrorCode CheckpointFiles::write(const std::string &path, const SavedRun &r
     PetscCall(order_.arrange(values_of_owned(mesh_, values.data(), 3), 3, &rows[name]));
   }
   numbers.update(run.numbers);
-  const std::string text = numbers.dump();
+  std::string text = numbers.dump();
+  text += ' ' + std::to_string(check_of(text));
   const auto bytes = static_cast<PetscInt64>(sizeof(PetscInt) * text.size()) +
                      static_cast<PetscInt64>(3 * sizeof(double) * rows.size()) * order_.total();
   PetscCall(write_whole(comm_of(mesh_), path, bytes + hdf5_itself, [&](const std::string &part) {

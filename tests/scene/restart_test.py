@@ -12,6 +12,8 @@ import subprocess
 import tempfile
 import unittest
 
+import h5py
+
 from boxes import ENDS, THREE_PLANES
 from trefoil_program import PROGRAM, environment, run
 
@@ -291,6 +293,17 @@ class Refused(RestartTest):
         other = self.solve([*HARD, "-material_young", "2e6", "-restart", "run.ckpt"])
         self.assertIn("-material_young", other["result"]["warnings"][0])
         self.assertIn("2e6 here", other["result"]["warnings"][0])
+
+    def test_numbers_that_are_damaged(self):
+        """Of these the program could not make sense; a letter of them may be damaged on a disk."""
+        self.solve([*HARD, *MOMENT, "-snes_max_it", "2"], status=3)
+        for number in (b'"last_number":0', b'"accepted":0', b'"k":1'):
+            with h5py.File(self.path("run.ckpt"), "r+") as file:
+                letters = file["checkpoint"][()]
+                at = bytes(letters.ravel().tolist()).index(number) + len(number) - 1
+                letters.reshape(-1)[at] = ord("9")
+                file["checkpoint"][...] = letters
+            self.refused([*HARD, "-restart", "run.ckpt"], "run.ckpt is damaged")
 
     def test_options(self):
         self.refused([*HARD, "-restart", "a.ckpt", "-initial", "file", "-initial_file", "b.ckpt"],
