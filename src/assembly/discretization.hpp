@@ -106,6 +106,10 @@ class Discretization {
   mutable std::vector<PetscInt> held_rows_;
 };
 
+/// Refuses a matrix of whose rows a rank holds more entries than a PetscInt can count. Collective.
+/// @param entries of this rank's rows
+PetscErrorCode check_matrix_size(MPI_Comm comm, PetscInt64 entries);
+
 /// Rigid-body modes at rest positions: translations 0..2 and rotations 3..5 about `centre`.
 /// @return component i of mode m at position p
 double rigid_body_mode(int m, int i, const double *p, const std::array<double, 3> &centre);

@@ -1,6 +1,7 @@
 #include <petscsf.h>
 
 #include <algorithm>
+#include <array>
 
 #include "assembly/discretization.hpp"
 #include "assembly/near_null_space.hpp"
@@ -91,51 +92,88 @@ PetscErrorCode Discretization::dofs_of_ghost_columns(Mat graph, std::vector<Pets
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// The exact pattern: each free dof's row has the free dofs of its vertex's neighbours.
-PetscErrorCode Discretization::row_pattern(const VertexPairs &pairs, std::vector<PetscInt> *start,
-                                           std::vector<PetscInt> *column) const {
-  const Mesh &mesh = *mesh_;
-  Mat graph = nullptr, parts[2] = {nullptr, nullptr};
-  PetscBool sequential = PETSC_FALSE;
-  std::vector<PetscInt> own_dofs, ghost_dofs, neighbours[2], first[2];
-  PetscFunctionBeginUser;
-  PetscCall(create_vertex_graph(pairs, &graph));
-  PetscCall(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(graph), MATSEQAIJ, &sequential));
-  parts[0] = graph;
-  if (!sequential) {
-    PetscCall(MatMPIAIJGetSeqAIJ(graph, &parts[0], &parts[1], nullptr));
-    PetscCall(dofs_of_ghost_columns(graph, &ghost_dofs));
+namespace {
+
+/// Vertices of this rank, the neighbours of each, and the dofs of both: 3 a vertex, -1 where held.
+struct Neighbourhoods {
+  std::vector<PetscInt> own_dofs, ghost_dofs;
+  std::array<std::vector<PetscInt>, 2> first, neighbours;  ///< of this rank's, of others' vertices
+
+  [[nodiscard]] std::size_t size() const { return own_dofs.size() / 3; }
+  [[nodiscard]] PetscInt rows(std::size_t vertex) const {
+    const auto dof = own_dofs.begin() + static_cast<std::ptrdiff_t>(3 * vertex);
+    return static_cast<PetscInt>(std::count_if(dof, dof + 3, [](PetscInt d) { return d >= 0; }));
   }
-  for (int p = 0; p < 2; ++p) {
-    if (parts[p]) PetscCall(copy_rows(parts[p], &first[p], &neighbours[p]));
-  }
-  PetscCall(MatDestroy(&graph));
-  for (std::size_t v = 0; v < mesh.owned.size(); ++v) {
-    if (!mesh.owned[v]) continue;
-    const auto dofs = global_dofs_.begin() + static_cast<std::ptrdiff_t>(3 * v);
-    own_dofs.insert(own_dofs.end(), dofs, dofs + 3);
-  }
-  start->assign(1, 0);
-  std::vector<PetscInt> row;
-  for (std::size_t vertex = 0; 3 * vertex < own_dofs.size(); ++vertex) {
-    row.clear();
+  /// The free dofs of a vertex's neighbours, itself included, in no order.
+  void columns(std::size_t vertex, std::vector<PetscInt> *row) const {
+    row->clear();
     for (std::size_t p = 0; p < 2; ++p) {
       const auto &dofs = p == 0 ? own_dofs : ghost_dofs;
       if (first[p].empty()) continue;
       for (PetscInt e = first[p][vertex]; e < first[p][vertex + 1]; ++e) {
         const auto neighbour = static_cast<std::size_t>(neighbours[p][static_cast<std::size_t>(e)]);
         for (std::size_t i = 0; i < 3; ++i) {
-          if (dofs[3 * neighbour + i] >= 0) row.push_back(dofs[3 * neighbour + i]);
+          if (dofs[3 * neighbour + i] >= 0) row->push_back(dofs[3 * neighbour + i]);
         }
       }
     }
+  }
+};
+
+}  // namespace
+
+/// The exact pattern: each free dof's row has the free dofs of its vertex's neighbours.
+PetscErrorCode Discretization::row_pattern(const VertexPairs &pairs, std::vector<PetscInt> *start,
+                                           std::vector<PetscInt> *column) const {
+  const Mesh &mesh = *mesh_;
+  Mat graph = nullptr, parts[2] = {nullptr, nullptr};
+  PetscBool sequential = PETSC_FALSE;
+  Neighbourhoods known;
+  std::vector<PetscInt> row;
+  PetscInt64 entries = 0;
+  PetscFunctionBeginUser;
+  PetscCall(create_vertex_graph(pairs, &graph));
+  PetscCall(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(graph), MATSEQAIJ, &sequential));
+  parts[0] = graph;
+  if (!sequential) {
+    PetscCall(MatMPIAIJGetSeqAIJ(graph, &parts[0], &parts[1], nullptr));
+    PetscCall(dofs_of_ghost_columns(graph, &known.ghost_dofs));
+  }
+  for (std::size_t p = 0; p < 2; ++p) {
+    if (parts[p]) PetscCall(copy_rows(parts[p], &known.first[p], &known.neighbours[p]));
+  }
+  PetscCall(MatDestroy(&graph));
+  for (std::size_t v = 0; v < mesh.owned.size(); ++v) {
+    if (!mesh.owned[v]) continue;
+    const auto dofs = global_dofs_.begin() + static_cast<std::ptrdiff_t>(3 * v);
+    known.own_dofs.insert(known.own_dofs.end(), dofs, dofs + 3);
+  }
+  for (std::size_t vertex = 0; vertex < known.size(); ++vertex) {
+    known.columns(vertex, &row);
+    entries += known.rows(vertex) * static_cast<PetscInt64>(row.size());
+  }
+  PetscCall(check_matrix_size(PetscObjectComm(reinterpret_cast<PetscObject>(mesh.dm)), entries));
+  column->reserve(static_cast<std::size_t>(entries));
+  start->assign(1, 0);
+  for (std::size_t vertex = 0; vertex < known.size(); ++vertex) {
+    known.columns(vertex, &row);
     std::sort(row.begin(), row.end());
-    for (std::size_t i = 0; i < 3; ++i) {
-      if (own_dofs[3 * vertex + i] < 0) continue;
+    for (PetscInt i = known.rows(vertex); i > 0; --i) {
       column->insert(column->end(), row.begin(), row.end());
       start->push_back(static_cast<PetscInt>(column->size()));
     }
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode check_matrix_size(MPI_Comm comm, PetscInt64 entries) {
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &entries, 1, MPIU_INT64, MPI_MAX, comm));
+  PetscCheck(entries <= PETSC_MAX_INT, comm, PETSC_ERR_USER_INPUT,
+             "a rank's rows of the Hessian would have %" PetscInt64_FMT
+             " entries, and this PETSc counts to %" PetscInt_FMT
+             "; use more ranks, or a PETSc with 64-bit indices",
+             entries, PETSC_MAX_INT);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -1,6 +1,7 @@
 // The matrices H and N: their entries against a dense sum over the elements, their rows, blocks and
 // rigid-body modes. Needs petsc_main.cpp.
 
+#include <limits>
 #include <map>
 #include <vector>
 
@@ -192,6 +193,20 @@ TEST_P(SceneTest, SixRigidModesAreAttached) {
     ASSERT_EQ(VecNorm(product, NORM_2, &size), PETSC_SUCCESS);
     EXPECT_LT(size, 1e-12 * largest) << m;
   }
+}
+
+/// Whoever holds too much: all ranks have to know, before anything is allocated.
+TEST(MatrixSizeTest, WhatAPetscIntCannotCountIsRefusedOnAllRanks) {
+  PetscMPIInt rank = 0, ranks = 1;
+  MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
+  MPI_Comm_size(PETSC_COMM_WORLD, &ranks);
+  const PetscInt64 most = PETSC_MAX_INT;
+  EXPECT_EQ(check_matrix_size(PETSC_COMM_WORLD, most), PETSC_SUCCESS);
+  if (most == std::numeric_limits<PetscInt64>::max()) return;  // with 64-bit indices all fits
+  ASSERT_EQ(PetscPushErrorHandler(PetscReturnErrorHandler, nullptr), PETSC_SUCCESS);
+  EXPECT_EQ(check_matrix_size(PETSC_COMM_WORLD, rank == ranks - 1 ? most + 1 : 5),
+            PETSC_ERR_USER_INPUT);
+  ASSERT_EQ(PetscPopErrorHandler(), PETSC_SUCCESS);
 }
 
 }  // namespace
