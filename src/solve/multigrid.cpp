@@ -73,6 +73,7 @@ PetscErrorCode set_coarse_solver(KSP coarse, Mat matrix) {
     PetscCall(set_cholesky(pc));
   }
   PetscCall(KSPSetFromOptions(coarse));
+  PetscCall(set_large_aggregates(pc));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -85,6 +86,20 @@ PetscErrorCode set_aggregation(PC pc) {
   PetscCall(PCGAMGSetThreshold(pc, &threshold, 1));
   PetscCall(PCGAMGSetReuseInterpolation(pc, PETSC_TRUE));
   PetscCall(PCGAMGSetUseSAEstEig(pc, PETSC_FALSE));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode set_large_aggregates(PC pc) {
+  constexpr PetscInt levels = 2;
+  const char *prefix = nullptr;
+  PetscBool is_given = PETSC_FALSE;
+  PetscFunctionBeginUser;
+  PetscCall(PCGetOptionsPrefix(pc, &prefix));
+  for (const char *option : {"-pc_gamg_aggressive_coarsening", "-pc_gamg_square_graph"}) {
+    PetscCall(PetscOptionsHasName(nullptr, prefix, option, &is_given));
+    if (is_given) PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(PCGAMGSetAggressiveLevels(pc, levels));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

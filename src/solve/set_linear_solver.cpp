@@ -175,6 +175,7 @@ PetscErrorCode set_linear_solver(const Scene &scene, SNES snes) {
       break;
   }
   PetscCall(KSPSetFromOptions(ksp));
+  if (scene.linear_solver.kind == SolverKind::iterative) PetscCall(set_large_aggregates(pc));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -59,6 +59,12 @@ class ChoiceTest(unittest.TestCase):
         self.assertTrue(ratios)
         self.assertLess(max(map(float, ratios)), 1e-5)
 
+    def test_coarse_levels_are_small(self):
+        """With PETSc's one level of large aggregates 1.31 times the entries of the Hessian."""
+        viewed = run(box(20, "-material_poisson", "0.495", "-solver", "iterative", "-snes_max_it", "1",
+                         "-snes_view")).stdout
+        self.assertLess(float(re.search(r"operator = ([0-9.]+)", viewed)[1]), 1.27)
+
     def test_the_wish_and_then_petscs_options_win(self):
         self.assertIn("cg with gamg",
                       linear(record_of(box(4, "-solver", "iterative"))))
