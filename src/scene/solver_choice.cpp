@@ -55,7 +55,8 @@ double iterative_seconds(const SolverTask &task) {
   // coarse level.
   const double seconds_a_cell = task.order == 1 ? 7.6e-6 : 45e-6;
   const double ranks = task.ranks == 1 ? 1 : 0.8 * task.ranks;
-  return seconds_a_cell * static_cast<double>(task.cells) / ranks;
+  const bool is_hard = task.one_pressure && task.poisson > most_poisson_for_multigrid;
+  return (is_hard ? 2.4 : 1) * seconds_a_cell * static_cast<double>(task.cells) / ranks;
 }
 
 SolverChoice choose_solver(const SolverTask &task, const std::string &wish) {
@@ -73,7 +74,7 @@ SolverChoice choose_solver(const SolverTask &task, const std::string &wish) {
     choice.reason = cells + "; a Cholesky factor would need " + bytes + free_text(task);
   } else if (ratio <= 1) {
     choice.reason = cells + "; its factor needs " + bytes + free_text(task);
-  } else if (task.poisson > most_poisson_for_multigrid) {
+  } else if (task.poisson > most_poisson_for_multigrid && !task.one_pressure) {
     char poisson[32];
     std::snprintf(poisson, sizeof poisson, "%.6g", task.poisson);
     choice.reason = cells + ", and Poisson's ratio " + poisson +

@@ -14,6 +14,7 @@ struct SolverTask {
   std::string cell = "tets";  ///< what they are called
   int order = 1;              ///< of the elements
   double poisson = 0;         ///< the largest of the scene's materials
+  bool one_pressure = false;  ///< -element_pressure constant
   int ranks = 1;
   FactorEstimate factor;
   double free_bytes = 0;   ///< that all ranks may still take together
@@ -33,7 +34,9 @@ struct SolverChoice {
   std::string reason;       ///< in words, without the solver's name
 };
 
-/// Poisson's ratio up to which multigrid on displacements alone is a solver, not a last resort.
+/// Poisson's ratio up to which multigrid on displacements alone is a solver, not a last resort;
+/// with one pressure an element it is one beyond, where an iteration takes 2.4 times as long
+/// (tests/benchmarks/README.md).
 constexpr double most_poisson_for_multigrid = 0.495;
 
 /// Chooses by memory, and where both fit by the seconds of one Newton iteration: one set-up and six

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 
+#include "scene/element_pressure.hpp"
 #include "scene/scene.hpp"
 #include "solve/multigrid.hpp"
 #include "support/free_memory.hpp"
@@ -116,6 +117,7 @@ PetscErrorCode describe_task(const Scene &scene, SolverTask *task) {
   task->cell = mesh.dimension() == 3 ? "tetrahedra" : "triangles";
   task->order = mesh.shape->order;
   task->poisson = largest_poisson(scene.options);
+  task->one_pressure = element_pressure(scene.options) == ElementPressure::constant;
   task->ranks = ranks;
   PetscCall(estimate_factor(scene.discretization, &task->factor));
   PetscCall(free_memory(comm, &task->free_bytes));

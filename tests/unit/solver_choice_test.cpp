@@ -64,6 +64,22 @@ TEST(SolverChoiceTest, NearlyIncompressibleBodiesAreFactoredWhileThatFits) {
   EXPECT_EQ(choose_solver(task, "auto").kind, SolverKind::iterative);
 }
 
+TEST(SolverChoiceTest, MultigridTakesOnePressureAnElementWhateverPoissonsRatio) {
+  const auto solver = [](const SolverTask &task) { return choose_solver(task, "auto").kind; };
+  // Cubes of tet10, 10 cells an edge, and 12.
+  SolverTask small = {.cells = 6000, .order = 2, .factor = {1.3e7, 6.7e9}, .free_bytes = 20e9};
+  SolverTask large = {.cells = 10368, .order = 2, .factor = {2.78e7, 1.92e10}, .free_bytes = 20e9};
+  for (SolverTask *task : {&small, &large}) {
+    task->poisson = 0.45;
+    EXPECT_EQ(solver(*task), SolverKind::iterative);
+    task->poisson = 0.4999;
+    EXPECT_EQ(solver(*task), SolverKind::direct);
+    task->one_pressure = true;
+  }
+  EXPECT_EQ(solver(small), SolverKind::direct);
+  EXPECT_EQ(solver(large), SolverKind::iterative);
+}
+
 TEST(SolverChoiceTest, AWishIsGranted) {
   EXPECT_EQ(choose_solver(box_197k(), "direct").kind, SolverKind::direct);
   EXPECT_EQ(choose_solver(horse_50k(), "iterative").kind, SolverKind::iterative);
