@@ -2,6 +2,8 @@
 
 #include <petscpartitioner.h>
 
+#include <cstdlib>
+
 #include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
@@ -23,6 +25,9 @@ PetscErrorCode divide(MPI_Comm comm, const std::string &name, const DualGraph &g
   PetscCheck(create, comm, PETSC_ERR_USER_INPUT,
              "there is no partitioner '%s' (-mesh_partitioner); use metis or ptscotch",
              name.c_str());
+  // With threads PT-Scotch 7.0.3 divides otherwise each time, and in one of some ten runs on 6
+  // ranks its ranks wait for each other for ever, or crash; with one thread none of 60 did.
+  setenv("SCOTCH_PTHREAD_NUMBER", "1", 0);
   PetscCall(PetscPartitionerCreate(comm, &partitioner));
   PetscCall(PetscPartitionerSetType(partitioner, name.c_str()));
   PetscCall(PetscPartitionerSetFromOptions(partitioner));

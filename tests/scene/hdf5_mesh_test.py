@@ -100,6 +100,14 @@ class Hdf5Mesh(unittest.TestCase):
         # Which is no matter of course: of other formats the first rank reads all.
         self.assertGreater(first_over_mean(["-mesh_file", medit]), 1.5)
 
+    def test_it_is_divided_the_same_each_time(self):
+        medit = os.path.join(self.folder.name, "often.mesh")
+        write_cube(medit, 20)
+        path = self.written(["-mesh_file", medit], "often.h5")
+        cuts = {run(["-mesh_file", path, "-constraints", "wall", "-constraint_wall_where", "x == xmin",
+                     "--check"], 4).stdout.split("edge cut ")[1].split(",")[0] for _ in range(3)}
+        self.assertEqual(len(cuts), 1)
+
     def test_refined_where_it_is_read(self):
         expected = record_of(["-mesh_file", self.gmsh, *HELD, "-mesh_refine", "1"])
         for ranks in (1, 2):
