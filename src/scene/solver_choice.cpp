@@ -69,6 +69,9 @@ SolverChoice choose_solver(const SolverTask &task, const std::string &wish) {
   if (wish != "auto") {
     choice.kind = wish == "direct" ? SolverKind::direct : SolverKind::iterative;
     choice.reason = cells + ", as -solver says; a Cholesky factor needs " + bytes + free_text(task);
+  } else if (!task.can_factor) {
+    choice.kind = SolverKind::iterative;
+    choice.reason = cells + "; this PETSc has no Cholesky factors on several ranks";
   } else if (!fits) {
     choice.kind = SolverKind::iterative;
     choice.reason = cells + "; a Cholesky factor would need " + bytes + free_text(task);

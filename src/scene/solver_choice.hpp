@@ -16,6 +16,7 @@ struct SolverTask {
   double poisson = 0;         ///< the largest of the scene's materials
   bool one_pressure = false;  ///< -element_pressure constant
   int ranks = 1;
+  bool can_factor = true;  ///< whether this PETSc has Cholesky factors on so many ranks
   FactorEstimate factor;
   double free_bytes = 0;   ///< that all ranks may still take together
   double other_bytes = 0;  ///< of these, what is needed beside the solver

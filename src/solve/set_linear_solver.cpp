@@ -119,6 +119,9 @@ PetscErrorCode describe_task(const Scene &scene, SolverTask *task) {
   task->poisson = largest_poisson(scene.options);
   task->one_pressure = element_pressure(scene.options) == ElementPressure::constant;
   task->ranks = ranks;
+#if !defined(PETSC_HAVE_MUMPS)
+  task->can_factor = ranks == 1;
+#endif
   PetscCall(estimate_factor(scene.discretization, &task->factor));
   PetscCall(free_memory(comm, &task->free_bytes));
   PetscCall(MatGetInfo(scene.hessian, MAT_GLOBAL_SUM, &info));

@@ -80,6 +80,12 @@ TEST(SolverChoiceTest, MultigridTakesOnePressureAnElementWhateverPoissonsRatio) 
   EXPECT_EQ(solver(large), SolverKind::iterative);
 }
 
+TEST(SolverChoiceTest, WhereThereAreNoFactorsTheyAreNotTaken) {
+  SolverTask task = on_two_ranks(horse_50k());
+  task.can_factor = false;
+  EXPECT_EQ(choose_solver(task, "auto").kind, SolverKind::iterative);
+}
+
 TEST(SolverChoiceTest, AWishIsGranted) {
   EXPECT_EQ(choose_solver(box_197k(), "direct").kind, SolverKind::direct);
   EXPECT_EQ(choose_solver(horse_50k(), "iterative").kind, SolverKind::iterative);
