@@ -21,14 +21,15 @@ namespace {
 using contact::Vector3;
 
 /// A formula's displacement of points. What does not depend on t grows in proportion to it, as
-/// constraints do.
+/// constraints do, but where t is time.
 class Motion {
  public:
-  Motion(const ObstacleOptions &obstacle, const Mesh &mesh)
-      : dimension_(static_cast<std::size_t>(mesh.dimension())) {
+  Motion(const ObstacleOptions &obstacle, const Scene &scene)
+      : dimension_(static_cast<std::size_t>(scene.mesh.dimension())) {
     if (obstacle.move.empty()) return;
     formula_ = std::make_shared<Expression>(obstacle.move, "-obstacle_" + obstacle.name + "_move",
-                                            box_of(mesh));
+                                            box_of(scene.mesh));
+    grows_ = !formula_->uses_time() && !scene.options.time.is_on;
   }
 
   [[nodiscard]] bool uses_place() const { return formula_ && formula_->uses_place(); }
@@ -38,7 +39,7 @@ class Motion {
     if (!formula_) return displacement;
     const double position[3] = {place.x, place.y, place.z};
     const std::vector<double> values = formula_->evaluate(position, time, dimension_);
-    const double scale = formula_->uses_time() ? 1 : time;
+    const double scale = grows_ ? time : 1;
     for (std::size_t i = 0; i < dimension_; ++i) {
       if (Expression::is_free(values[i])) throw InputError("an obstacle is nowhere `free`");
       displacement[static_cast<int>(i)] = scale * values[i];
@@ -57,6 +58,7 @@ class Motion {
 
  private:
   std::shared_ptr<Expression> formula_;
+  bool grows_ = false;
   std::size_t dimension_;
 };
 
@@ -84,14 +86,15 @@ Vector3 vector_of(const std::string &text, const std::string &option, const Mesh
 }
 
 /// Throws InputError.
-HalfSpaceObstacle make_plane(const ObstacleOptions &obstacle, double friction, const Mesh &mesh) {
+HalfSpaceObstacle make_plane(const ObstacleOptions &obstacle, double friction, const Scene &scene) {
+  const Mesh &mesh = scene.mesh;
   const std::string option = "-obstacle_" + obstacle.name;
   Vector3 normal = vector_of(obstacle.plane, option + "_plane", mesh), at;
   if (!obstacle.at.empty()) at = vector_of(obstacle.at, option + "_at", mesh);
   const double length = contact::norm(normal);
   if (!(length > 0)) throw InputError(option + "_plane is no direction: its length is 0");
   normal = (1 / length) * normal;
-  const Motion motion(obstacle, mesh);
+  const Motion motion(obstacle, scene);
   if (motion.uses_place()) {
     throw InputError(option +
                      "_move depends on x, y or z, but a half-space moves as a whole; give "
@@ -114,14 +117,14 @@ PetscErrorCode read_obstacles(const Scene &scene, Obstacles *obstacles) {
     if (!obstacle.file.empty()) PetscCall(read_surface(comm, obstacle.file, &read));
     const std::string complaint = complaint_of([&] {
       if (obstacle.file.empty()) {
-        obstacles->planes.push_back(make_plane(obstacle, options.friction, mesh));
+        obstacles->planes.push_back(make_plane(obstacle, options.friction, scene));
         return;
       }
       ObstacleSurface surface{obstacle.name, {}, {}};
       for (const auto &p : read.points) surface.points.push_back({p[0], p[1], p[2]});
       surface.facets = read.facets;
       check_facets(read, obstacle.file, mesh.dimension() == 2);
-      const Motion motion(obstacle, mesh);
+      const Motion motion(obstacle, scene);
       for (const Vector3 &point : surface.points) static_cast<void>(motion.at(point, 1));
       obstacles->motions.push_back([motion, points = surface.points](double time) {
         std::vector<Vector3> moved;
@@ -134,6 +137,17 @@ PetscErrorCode read_obstacles(const Scene &scene, Obstacles *obstacles) {
     PetscCall(agree_on_complaint(comm, complaint));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+std::vector<ObstacleSurface> moved_to(const Obstacles &obstacles, double time) {
+  std::vector<ObstacleSurface> surfaces = obstacles.surfaces;
+  for (std::size_t k = 0; k < surfaces.size(); ++k) {
+    const std::vector<Vector3> moves = obstacles.motions[k](time);
+    for (std::size_t p = 0; p < moves.size(); ++p) {
+      surfaces[k].points[p] = surfaces[k].points[p] + moves[p];
+    }
+  }
+  return surfaces;
 }
 
 std::vector<DrawnObstacle> drawn(const Obstacles &obstacles, const Mesh &mesh) {
@@ -249,11 +263,12 @@ PetscErrorCode add_contact(const std::vector<int> &region_of_cell, Scene *scene)
       .slip_velocity = options.slip_velocity * diagonal,
       .weight = options.weight == "rule" ? FilterWeight::rule : FilterWeight::clamp,
       .friction = friction_of(options.friction, obstacles.friction, surface->first_obstacle())};
+  const std::vector<ObstacleSurface> at_start = moved_to(obstacles, 0);
   auto term =
       std::make_unique<ContactTerm>(std::move(surface), std::move(parameters),
                                     std::move(obstacles.planes), std::move(obstacles.motions));
   PetscCall(check_rest(*scene, diagonal, *term));
-  PetscCall(check_outside(mesh, obstacles.surfaces));
+  PetscCall(check_outside(mesh, at_start));
   PetscCall(check_bodies_apart(mesh, term->contact_surface()));
   if (!options.iterates.empty()) PetscCall(write_iterates(scene, *term));
   scene->contact = term.get();

@@ -102,7 +102,7 @@ PetscErrorCode check_outside(const Mesh &mesh, const std::vector<ObstacleSurface
     PetscCall(find_within(mesh, places, &within));
     PetscCheck(
         within < 0, comm, PETSC_ERR_USER_INPUT,
-        "obstacle '%s' lies within a body at rest; contact needs a start where all are apart",
+        "obstacle '%s' lies within a body at the start; contact needs a start where all are apart",
         surface.name.c_str());
   }
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -17,7 +17,7 @@ void check_facets(const SurfaceMesh &surface, const std::string &file, bool is_p
 
 /// No obstacle may lie within a body, where their surfaces do not meet: an error that names it, on
 /// all ranks, where a point of one is in a cell at rest. Collective.
-/// @param surfaces the same on all ranks
+/// @param surfaces where they are at the start, the same on all ranks
 PetscErrorCode check_outside(const Mesh &mesh, const std::vector<ObstacleSurface> &surfaces);
 
 /// Nor may a body lie within another one: likewise. Collective.

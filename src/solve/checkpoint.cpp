@@ -106,6 +106,7 @@ PetscErrorCode Checkpoint::warn_of_changes() {
   if (!changes.empty()) {
     scene_.warnings.push_back("the run goes on from one of another scene, " +
                               scene_.options.checkpoint.restart_file + ": " + changes);
+    PetscCall(PetscPrintf(comm(), "WARNING: %s\n", scene_.warnings.back().c_str()));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -246,6 +246,12 @@ class InTime(ContactTest):
         steps = self.solve(options)["steps"]
         return [step["probes"]["corner"][0] for step in steps]
 
+    def test_newmark_is_warned_of(self):
+        for integrator, words in (("newmark", 1), ("bdf2", 0)):
+            record = self.solve([*BOX, *FLOOR, "-material_density", "1e3", "-time_end", "0.02", "-time_step",
+                                 "0.01", "-time_integrator", integrator, "-load_gravity", "0, 0, -9.81"])
+            self.assertEqual(sum("newmark" in text for text in record["result"]["warnings"]), words)
+
     def test_friction_above_the_slope_holds(self):
         x = self.slide(0.55)
         self.assertLess(abs(x[-1] - x[10]), 1e-3)
@@ -338,7 +344,24 @@ class Refused(ContactTest):
         points = [(.4, .4, .4), (.6, .4, .4), (.5, .6, .4), (.5, .5, .6)]
         facets = [(1, 3, 2), (1, 2, 4), (2, 3, 4), (3, 1, 4)]
         self.refused([*BOX, *TOP, *self.obstacle(points, facets)],
-                     "obstacle 'thing' lies within a body at rest")
+                     "obstacle 'thing' lies within a body at the start")
+
+    def test_an_obstacle_is_where_its_move_has_it_at_the_start(self):
+        """Not where its file has it: neither of these is what its file says."""
+        points = [(.4, .4, .4), (.6, .4, .4), (.5, .6, .4), (.5, .5, .6)]
+        facets = [(1, 3, 2), (1, 2, 4), (2, 3, 4), (3, 1, 4)]
+        within = [*BOX, *TOP, *self.obstacle(points, facets), "-obstacle_thing_move"]
+        self.assertEqual(run([*within, "5 - t, 0, 0", "-check"], 2, self.folder).returncode, 0)
+        away = [*BOX, *TOP, *self.obstacle([(x + 5, y, z) for x, y, z in points], facets)]
+        self.refused([*away, "-obstacle_thing_move", "-5 + 0*t, 0, 0"],
+                     "obstacle 'thing' lies within a body at the start")
+
+    def test_in_time_a_move_is_where_it_says_from_the_start(self):
+        """A plane far below that its move, though constant, has within the body."""
+        timed = [*BOX, "-material_density", "1", "-time_end", "1", "-time_step", "0.5", "-obstacles", "floor",
+                 "-obstacle_floor_plane", "0, 0, 1", "-obstacle_floor_at", "0, 0, -2"]
+        self.refused([*timed, "-obstacle_floor_move", "0, 0, 2.5"], "floor")
+        self.assertEqual(run([*timed, "-obstacle_floor_move", "0, 0, 1.5"], 1, self.folder).returncode, 0)
 
     def test_a_body_within_another(self):
         boxes = ["-bodies", "low,high", "-body_low_generate", "box", "-body_high_generate", "box",

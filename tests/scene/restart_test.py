@@ -293,6 +293,8 @@ class Refused(RestartTest):
         other = self.solve([*HARD, "-material_young", "2e6", "-restart", "run.ckpt"])
         self.assertIn("-material_young", other["result"]["warnings"][0])
         self.assertIn("2e6 here", other["result"]["warnings"][0])
+        printed = run([*HARD, "-material_young", "2e6", "-restart", "run.ckpt"], 2, self.folder).stdout
+        self.assertEqual(printed.count("WARNING: the run goes on from one of another scene"), 1)
 
     def test_numbers_that_are_damaged(self):
         """Of these the program could not make sense; a letter of them may be damaged on a disk."""
