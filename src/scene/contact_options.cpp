@@ -49,10 +49,9 @@ PetscErrorCode check_contact(MPI_Comm comm, const ContactOptions &contact) {
              contact.stiffness.c_str());
   PetscCheck(contact.friction >= 0, comm, PETSC_ERR_USER_INPUT,
              "-contact_friction is %g and must not be negative", contact.friction);
-  PetscCheck(contact.friction_iterations >= -1 && contact.friction_iterations != 0, comm,
-             PETSC_ERR_USER_INPUT,
+  PetscCheck(contact.friction_iterations >= -1, comm, PETSC_ERR_USER_INPUT,
              "-contact_friction_iterations is %" PetscInt_FMT
-             "; give a number from 1 on, or -1: until it fits",
+             "; give a number from 1 on, 0: until little of it lags, or -1: until it fits",
              contact.friction_iterations);
   PetscCheck(contact.slip_velocity > 0, comm, PETSC_ERR_USER_INPUT,
              "-contact_slip_velocity is %g and must be above 0", contact.slip_velocity);
@@ -73,7 +72,9 @@ std::vector<OptionRow> contact_rows(ContactOptions &contact) {
        "Of the barrier; auto: a tenth of the softer body's Young's modulus", "force per area"},
       {"contact_friction", &contact.friction, "Coefficient of friction"},
       {"contact_friction_iterations", &contact.friction_iterations,
-       "Solves a step, each with the contact forces of the last; -1: until they fit, 20 at most"},
+       "Solves a step, each with the contact forces of the last; 0: until less than 5 % of "
+       "friction "
+       "lags, 5 at most; -1: until they fit, 20 at most"},
       {"contact_slip_velocity", &contact.slip_velocity, "Below which friction sticks",
        "share of the diagonal per unit of time"},
       {"contact_self", &contact.self, "Whether a body meets itself"},

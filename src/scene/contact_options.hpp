@@ -23,7 +23,7 @@ struct ContactOptions {
   double distance = 1e-3;
   std::string stiffness = "auto";
   double friction = 0;
-  PetscInt friction_iterations = 1;
+  PetscInt friction_iterations = 0;
   double slip_velocity = 1e-3;
   bool self = true;
   double ccd = 0.9;

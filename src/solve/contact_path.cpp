@@ -221,15 +221,22 @@ PetscErrorCode ContactPath::predict(const Place &from, const std::vector<double>
 }
 
 PetscErrorCode ContactPath::repeats(PetscInt iterations, bool *again) {
-  constexpr int most = 20;
+  constexpr int most = 20, most_of_auto = 5;
   const PetscInt wanted = scene_.options.contact.friction_iterations;
+  double lag = 0;
   std::vector<double> u;
   PetscFunctionBeginUser;
-  *again = scene_.contact->has_friction() &&
-           (wanted < 0 ? solves_ < most && (solves_ == 1 || iterations > 1) : solves_ < wanted);
+  *again = false;
+  if (!scene_.contact->has_friction()) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(scene_.discretization.copy_local(scene_.displacement, &u));
+  if (wanted != 0) {
+    *again = wanted > 0 ? solves_ < wanted : solves_ < most && (solves_ == 1 || iterations > 1);
+  } else if (solves_ < most_of_auto) {
+    PetscCall(scene_.contact->find_friction_lag(u.data(), &lag));
+    *again = lag > tolerated_friction_lag;
+  }
   if (!*again) PetscFunctionReturn(PETSC_SUCCESS);
   ++solves_;
-  PetscCall(scene_.discretization.copy_local(scene_.displacement, &u));
   PetscCall(scene_.contact->lag_friction(u.data()));
   lagged_.swap(u);
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -7,7 +7,6 @@ namespace trefoil {
 namespace {
 
 /// A share of friction. Reactions are off by less (tests/contact).
-constexpr double tolerated_friction_lag = 0.05;
 
 PetscErrorCode describe_mesh(const Scene &scene, MeshReport *report) {
   const Mesh &mesh = scene.mesh;

@@ -120,18 +120,35 @@ PetscErrorCode ContactTerm::compare_friction_forces(const Positions &before, con
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// Lags friction anew, and keeps by how much that changes it.
+PetscErrorCode ContactTerm::renew_friction(const double *u) {
+  Positions before(3 * surface().vertices.size(), 0), now = before;
+  PetscFunctionBeginUser;
+  PetscCall(add_friction_forces(u, &before));
+  PetscCall(lag_friction(u));
+  PetscCall(add_friction_forces(u, &now));
+  PetscCall(compare_friction_forces(before, now));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode ContactTerm::find_friction_lag(const double *u, double *lag) {
+  const std::vector<FrictionPair> pairs = friction_;
+  const std::vector<std::vector<FrictionPair>> of_planes = plane_friction_;
+  PetscFunctionBeginUser;
+  PetscCall(renew_friction(u));
+  *lag = friction_force_ > 0 ? friction_change_ / friction_force_ : 0;
+  friction_ = pairs;
+  plane_friction_ = of_planes;
+  --lags_;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode ContactTerm::accept_step(const double *u) {
   constexpr double too_near = 1e-3;
   ContactReport state;
   PetscFunctionBeginUser;
   stiffening_of_step_ = law_.stiffening;
-  if (has_friction()) {
-    Positions before(3 * surface().vertices.size(), 0), now = before;
-    PetscCall(add_friction_forces(u, &before));
-    PetscCall(lag_friction(u));
-    PetscCall(add_friction_forces(u, &now));
-    PetscCall(compare_friction_forces(before, now));
-  }
+  if (has_friction()) PetscCall(renew_friction(u));
   lags_of_step_ = std::exchange(lags_, 0);
   PetscCall(surface_->gather(u, &origin_));
   accepted_time_ = time_;

@@ -33,6 +33,9 @@ struct ContactParameters {
   contact::FrictionOfBodies friction;  ///< mu between bodies; null: none anywhere
 };
 
+/// The share of friction that may lag before a run says so, or solves again.
+constexpr double tolerated_friction_lag = 0.05;
+
 /// What is in contact at a state.
 struct ContactReport {
   double energy = 0;                                     ///< of the barriers
@@ -98,6 +101,8 @@ class ContactTerm final : public Term {
   PetscErrorCode report(const double *u, ContactReport *report) const;
   /// Makes u the state from which friction has its forces and directions.
   PetscErrorCode lag_friction(const double *u);
+  /// The share of friction that would be other with the normal forces at u. Collective.
+  PetscErrorCode find_friction_lag(const double *u, double *lag);
   /// Makes u, at a time, the state that was accepted last, and the stiffness what it was before.
   PetscErrorCode go_on(const double *u, double time, double stiffening);
   /// Of the stiffness, times what was asked for, in the step that ended last.
@@ -129,6 +134,7 @@ class ContactTerm final : public Term {
   const std::vector<contact::ContactPair> &candidates_at(const Positions &x) const;
   PetscErrorCode add_forces(const double *u, const Positions &x, Positions *forces) const;
   PetscErrorCode add_friction_forces(const double *u, Positions *forces) const;
+  PetscErrorCode renew_friction(const double *u);
   PetscErrorCode compare_friction_forces(const Positions &before, const Positions &now);
   /// Takes a 3 x 3 block row by row for each pair of the vertices, some of which may be -1: the
   /// Hessian and its negative part, which is null where there is none.

@@ -137,7 +137,11 @@ class HalfSpace(ContactTest):
         self.assertGreater(ratios[-1], 0.4 * 0.98)
         sticking = ratios[steps.index(next(s for s in steps if s["t"] > 0.58))]
         self.assertLess(sticking, 0.3)
-        self.assertTrue(all(step["friction_iterations"] == 1 for step in steps))
+        # No more solves than it takes: one where nothing slides yet, or slides as before.
+        solves = [step["friction_iterations"] for step in steps]
+        self.assertIn(1, solves)
+        self.assertGreater(max(solves), 1)
+        self.assertNotIn("WARNING", self.printed)
 
     def test_a_run_says_how_far_friction_lags(self):
         """What it says is more than any reaction is off, and it warns of much."""
@@ -159,7 +163,7 @@ class HalfSpace(ContactTest):
             self.assertEqual(record["result"].get("friction_is_late", False), solves == 1)
             self.assertEqual(len(record["result"]["warnings"]), solves == 1)
         self.assertNotIn("WARNING", self.printed)
-        self.solve(PULLED)
+        self.solve([*PULLED, "-contact_friction_iterations", "1"])
         self.assertIn("WARNING: friction lags", self.printed)
 
     def test_in_the_plane(self):
@@ -442,8 +446,8 @@ class Refused(ContactTest):
         self.refused([*PRESSED, "-contact_friction", "-1"], "-contact_friction is -1")
         self.refused([*PRESSED, "-contact_friction", "0.3", "-contact_slip_velocity", "0"],
                      "-contact_slip_velocity is 0")
-        self.refused([*PRESSED, "-contact_friction_iterations", "0"],
-                     "-contact_friction_iterations is 0")
+        self.refused([*PRESSED, "-contact_friction_iterations", "-2"],
+                     "-contact_friction_iterations is -2")
         self.refused([*PRESSED, "-obstacle_floor_plane", "0, 0, 0"], "is no direction")
         self.refused([*PRESSED, "-obstacle_floor_plane", "0, 0, 1 + t"], "_plane is '0, 0, 1 + t'")
         self.refused([*PRESSED, "-obstacle_floor_at", "0, 0, -0.1 - x"], "moves by its `move`")
