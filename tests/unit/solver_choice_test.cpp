@@ -80,8 +80,7 @@ TEST(SolverChoiceTest, MultigridTakesOnePressureAnElementWhateverPoissonsRatio) 
   EXPECT_EQ(solver(large), SolverKind::iterative);
 }
 
-/// The knot of 304 thousand cells, whose factors are as fast as multigrid is said to be, and
-/// faster.
+/// The knot of 304 thousand cells: the model has multigrid ahead there, measurements the factors.
 TEST(SolverChoiceTest, FactorsAreTakenWhereMultigridLooksLittleFaster) {
   const SolverTask task{
       .cells = 304128, .poisson = 0.495, .factor = {7.3e7, 3.7e10}, .free_bytes = 20e9};
