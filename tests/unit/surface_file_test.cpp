@@ -57,5 +57,34 @@ TEST(SurfaceFile, WhatIsNoneIsRefused) {
   EXPECT_THROW(parse_stl("a.stl", ""), InputError);
 }
 
+/// What a surface's file is refused for; nothing where it is not.
+std::string complaint_about_stl(const std::string &text) {
+  try {
+    parse_stl("a.stl", text);
+  } catch (const InputError &error) {
+    return error.what();
+  }
+  return {};
+}
+
+TEST(SurfaceFile, AnStlThatIsCutShortIsRefused) {
+  const std::string whole = triangle_pair;
+  const auto between = whole.find(" facet", whole.find("endfacet"));
+  EXPECT_EQ(complaint_about_stl(whole.substr(0, between)),
+            "'a.stl' is cut short: it has no `endsolid` at its end");
+  EXPECT_EQ(complaint_about_stl(whole + whole), "");
+  EXPECT_EQ(complaint_about_stl(whole + whole.substr(0, between)),
+            "'a.stl' is cut short: it has no `endsolid` at its end");
+
+  std::string binary = "solid of numbers";
+  binary.resize(84 + 2 * 50);
+  binary[80] = 3;
+  EXPECT_EQ(complaint_about_stl(binary),
+            "'a.stl' is cut short: it announces 3 triangles and has room for 2");
+  binary[0] = 'x';
+  EXPECT_EQ(complaint_about_stl(binary),
+            "'a.stl' is cut short: it announces 3 triangles and has room for 2");
+}
+
 }  // namespace
 }  // namespace trefoil::test

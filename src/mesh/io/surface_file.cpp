@@ -52,6 +52,16 @@ bool is_binary_stl(const std::string &text) {
          text.size() == stl_header + stl_triangle * std::size_t{count_of_binary_stl(text)};
 }
 
+/// Says what a binary .stl lacks that is shorter than it says itself. A text has no zero byte.
+void check_stl_is_whole(const std::string &name, const std::string &text) {
+  if (text.size() < stl_header || text.find('\0') >= stl_header) return;
+  const std::size_t room = (text.size() - stl_header) / stl_triangle;
+  if (count_of_binary_stl(text) <= room) return;
+  throw InputError("'" + name + "' is cut short: it announces " +
+                   std::to_string(count_of_binary_stl(text)) + " triangles and has room for " +
+                   std::to_string(room));
+}
+
 void check_surface(const std::string &name, const SurfaceMesh &surface) {
   if (surface.facets.empty()) throw InputError("'" + name + "' has no triangles");
   for (const auto &point : surface.points) {
@@ -104,6 +114,7 @@ SurfaceMesh parse_obj(const std::string &name, const std::string &text) {
 SurfaceMesh parse_stl(const std::string &name, const std::string &text) {
   SurfaceMesh surface;
   PointNumbers points(&surface);
+  check_stl_is_whole(name, text);
   if (is_binary_stl(text)) {
     for (std::size_t at = stl_header; at < text.size(); at += stl_triangle) {
       std::array<float, 12> numbers{};  // the normal and three corners
@@ -117,11 +128,14 @@ SurfaceMesh parse_stl(const std::string &name, const std::string &text) {
     std::string word;
     std::array<std::array<double, 3>, 3> corners;
     std::size_t count = 0;
+    bool is_ended = true;
     if (!(words >> word) || word != "solid") {
       throw InputError("'" + name + "' is neither a binary nor a text .stl");
     }
     while (words >> word) {
+      if (word == "endsolid") is_ended = true;
       if (word != "vertex") continue;
+      is_ended = false;
       auto &corner = corners[count];
       if (!(words >> corner[0] >> corner[1] >> corner[2])) {
         throw InputError("'" + name + "' has a vertex without three numbers");
@@ -130,6 +144,9 @@ SurfaceMesh parse_stl(const std::string &name, const std::string &text) {
       if (count == 0) points.add(corners);
     }
     if (count) throw InputError("'" + name + "' ends within a triangle");
+    if (!is_ended) {
+      throw InputError("'" + name + "' is cut short: it has no `endsolid` at its end");
+    }
   }
   check_surface(name, surface);
   return surface;
