@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 #include <numeric>
+#include <sstream>
 
 #include "support/petsc_compatibility.hpp"
 #include "trefoil/input_error.hpp"
@@ -12,6 +13,14 @@ namespace trefoil {
 using contact::Vector3;
 
 void check_facets(const SurfaceMesh &surface, const std::string &file, bool is_plane) {
+  for (std::size_t k = 0; is_plane && k < surface.points.size(); ++k) {
+    const double z = surface.points[k][2];
+    if (z == 0) continue;
+    std::ostringstream height;
+    height << z;
+    throw InputError("vertex " + std::to_string(k + 1) + " of '" + file + "' has z = " +
+                     height.str() + "; the obstacle of a plane body lies in its plane, z = 0");
+  }
   for (std::size_t k = 0; k < surface.facets.size(); ++k) {
     const auto &facet = surface.facets[k];
     if ((facet[2] < 0) != is_plane) {

@@ -46,8 +46,13 @@ namespace {
 
 std::string sentence_of(const AllowedMotion &motion, double time) {
   std::ostringstream text;
-  text << "what is prescribed cannot move so far: " << motion.what << " would meet after "
-       << motion.share << " of the way from t = " << time;
+  text << "the way from t = " << time << " is ";
+  if (motion.what.empty()) {
+    text << "too long to search for what may meet: " << motion.share << " of it was searched";
+  } else {
+    text << "not free: after " << motion.share << " of it " << motion.what
+         << " would come too near to each other";
+  }
   return text.str();
 }
 

@@ -48,8 +48,8 @@ std::string ContactTerm::name_of(const ContactPair &pair) const {
          name_of(contact::second_of(surface(), pair).body, whole.subspan(first));
 }
 
-/// Makes the least of all ranks' values everybody's, and what is said of it. Of equal values that
-/// counts which comes first in `place`, the same on any number of ranks.
+/// Makes the least of all ranks' values everybody's, and what is said of it, which may be nothing.
+/// Of equal values that counts which comes first in `place`, the same on any number of ranks.
 PetscErrorCode ContactTerm::share_first(double *value, int place, std::string *what) const {
   struct {
     int place, rank;
@@ -57,7 +57,8 @@ PetscErrorCode ContactTerm::share_first(double *value, int place, std::string *w
   const double mine = *value;
   PetscFunctionBeginUser;
   PetscCallMPI(MPI_Allreduce(&mine, value, 1, MPI_DOUBLE, MPI_MIN, surface_->comm()));
-  if (mine == *value && !what->empty()) least.place = place;
+  if (mine != *value) what->clear();
+  if (!what->empty()) least.place = place;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &least, 1, MPI_2INT, MPI_MINLOC, surface_->comm()));
   int length = static_cast<int>(what->size());
   PetscCallMPI(MPI_Bcast(&length, 1, MPI_INT, least.rank, surface_->comm()));

@@ -52,8 +52,10 @@ enum class Movers { all, prescribed };
 
 /// How far bodies and obstacles can go from one state to another.
 struct AllowedMotion {
-  double share = 1;    ///< of the way
-  std::string what{};  ///< what ends it, and where: "edge (3, 4) and edge (8, 9) near (0, 1, 0)"
+  double share = 1;  ///< of the way
+  /// What ends it, and where: "edge (3, 4) and edge (8, 9) near (0, 1, 0)". Empty where the share
+  /// is only what was searched of a way too long for more.
+  std::string what{};
 };
 
 /// Contact of bodies with themselves, with each other and with obstacles: barriers of the distances

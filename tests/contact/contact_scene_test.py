@@ -435,7 +435,20 @@ class Refused(ContactTest):
                       "-load_steps", "auto", "-load_steps_first", "1", "-constraint_top_move",
                       "4*min(0.5, t), 0, 0.8*max(0, t - 0.5)"], folder=self.folder)
         self.assertEqual(result.returncode, 0, result.stdout)
-        self.assertIn("halved: what is prescribed cannot move so far", result.stdout)
+        self.assertIn("halved: the way from t = 0 is not free: after ", result.stdout)
+
+    def test_a_way_that_is_not_free(self):
+        """Of a vertex that is free nobody says that it is prescribed."""
+        self.refused([*BOX, *TOP, *FLOOR, "-load_steps", "1", "-obstacle_floor_move", "0, 0, 0.9*t"],
+                     "the way from t = 0 is not free: after 0.1",
+                     "of it vertex (1) and obstacle 'floor' near (0, 0, 0) would come too near")
+
+    def test_an_obstacle_of_the_plane_that_leaves_it(self):
+        square = ["-mesh_generate", "square", "-constraints", "top", "-constraint_top_where",
+                  "y == ymax", "-obstacles", "line", "-obstacle_line_file", "line.obj"]
+        with open(self.path("line.obj"), "w", encoding="utf-8") as file:
+            file.write("v -1 -0.05 0\nv 2 -0.05 0\nv 0.5 -0.04 0.25\nl 1 3 2\n")
+        self.refused(square, "vertex 3 of 'line.obj' has z = 0.25;")
 
     def test_options(self):
         self.refused([*PRESSED, "-order", "2"], "linear elements")
