@@ -180,7 +180,10 @@ Json make_record(const RunReport &report) {
   if (report.energy_rise) result["energy_rise"] = number(*report.energy_rise);
   if (report.energy_is_made) result["energy_is_made"] = true;
   if (report.friction_lag) result["friction_lag"] = number(*report.friction_lag);
-  if (report.friction_is_late) result["friction_is_late"] = true;
+  if (report.friction_is_late) {
+    result["friction_is_late"] = true;
+    result["friction_advice"] = report.friction_advice;
+  }
   result["guess_linear_solves"] = report.guess_linear_solves;
   result["inverted"] = report.inverted;
   result["path_halvings"] = report.path_halvings;

@@ -119,6 +119,7 @@ struct RunReport {
   bool energy_is_made = false;              ///< that rise comes from nothing
   std::optional<double> friction_lag = {};  ///< change of friction over friction, of all states
   bool friction_is_late = false;            ///< so much that results are doubtful
+  std::string friction_advice;              ///< what to do about it
   PetscInt guess_linear_solves = 0;
   PetscInt64 inverted = 0;  ///< at the end
   int path_halvings = 0;    ///< of steps on a path of the program's own accord

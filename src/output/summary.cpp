@@ -61,7 +61,7 @@ std::string verdict(const Json &record) {
                 "; WARNING: friction lags: with its own state's normal forces it would differ "
                 "by %.0f %%: ",
                 100 * number(result["friction_lag"])) +
-            "-contact_friction_iterations 3 (-1: until they fit) or shorter steps are needed";
+            result["friction_advice"].get<std::string>();
   }
   const bool in_time = result.contains("kinetic_energy");  // each step is near its own minimum
   if (result["converged"].get<bool>() && result["minimum"].is_null() && !in_time) {

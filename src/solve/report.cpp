@@ -6,8 +6,6 @@
 namespace trefoil {
 namespace {
 
-/// A share of friction. Reactions are off by less (tests/contact).
-
 PetscErrorCode describe_mesh(const Scene &scene, MeshReport *report) {
   const Mesh &mesh = scene.mesh;
   PetscFunctionBeginUser;
@@ -50,6 +48,17 @@ PetscErrorCode warn_of_loose_rims(const Scene &scene, std::vector<std::string> *
   PetscCall(PetscPrintf(PetscObjectComm(reinterpret_cast<PetscObject>(scene.mesh.dm)),
                         "WARNING: %s\n", warnings->back().c_str()));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// What to do where friction lags too far behind with -contact_friction_iterations as they are.
+std::string advice_on_friction(PetscInt iterations, bool is_in_time) {
+  const std::string shorter =
+      std::string("shorter ") + (is_in_time ? "steps in time" : "load steps");
+  if (iterations < 0) return "take " + shorter;
+  if (iterations == 0 || iterations >= 3) {
+    return "take -contact_friction_iterations -1, until they fit, or " + shorter;
+  }
+  return "take -contact_friction_iterations 3, or -1, until they fit, or " + shorter;
 }
 
 /// How much of all states' friction would be other if it had each state's own normal forces, not
@@ -104,9 +113,11 @@ PetscErrorCode fill_report(Scene &scene, const SolveOutcome &outcome, const Stat
   report->friction_lag = find_friction_lag(report->states);
   report->friction_is_late = report->friction_lag > tolerated_friction_lag;
   if (report->friction_is_late) {
+    report->friction_advice =
+        advice_on_friction(scene.options.contact.friction_iterations, scene.options.time.is_on);
     report->warnings.push_back(
-        "friction has normal forces of the state before that are too far from a state's own: take "
-        "-contact_friction_iterations 3, or -1, until they fit, or shorter steps");
+        "friction has normal forces of the state before that are too far from a state's own: " +
+        report->friction_advice);
   }
   if (outcome.inverted > 0) {
     report->warnings.push_back(std::to_string(outcome.inverted) +

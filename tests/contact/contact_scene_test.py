@@ -165,6 +165,16 @@ class HalfSpace(ContactTest):
         self.assertNotIn("WARNING", self.printed)
         self.solve([*PULLED, "-contact_friction_iterations", "1"])
         self.assertIn("WARNING: friction lags", self.printed)
+        self.assertIn("take -contact_friction_iterations 3, or -1", self.printed)
+
+    def test_advice_on_friction_that_lags_is_not_what_was_done(self):
+        options = [*BOX, *FLOOR, *TOP, "-obstacle_floor_friction", "0.4", "-load_steps", "2",
+                   "-constraint_top_move", "0, 0.9*t, -0.25*t", "-contact_friction_iterations", "3"]
+        result = self.solve(options)["result"]
+        advice = "take -contact_friction_iterations -1, until they fit, or shorter load steps"
+        self.assertEqual(result["friction_advice"], advice)
+        self.assertTrue(result["warnings"][0].endswith(advice), result["warnings"])
+        self.assertIn(f"%: {advice}", self.printed)
 
     def test_in_the_plane(self):
         self.solve(["-mesh_generate", "square", "-mesh_resolution", "4", "-constraints", "top",
