@@ -73,8 +73,7 @@ std::vector<OptionRow> contact_rows(ContactOptions &contact) {
       {"contact_friction", &contact.friction, "Coefficient of friction"},
       {"contact_friction_iterations", &contact.friction_iterations,
        "Solves a step, each with the contact forces of the last; 0: until less than 5 % of "
-       "friction "
-       "lags, 5 at most; -1: until they fit, 20 at most"},
+       "friction lags, 5 at most, and one in time; -1: until they fit, 20 at most"},
       {"contact_slip_velocity", &contact.slip_velocity, "Below which friction sticks",
        "share of the diagonal per unit of time"},
       {"contact_self", &contact.self, "Whether a body meets itself"},

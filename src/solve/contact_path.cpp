@@ -45,14 +45,12 @@ PetscErrorCode ContactPath::begin() {
 namespace {
 
 std::string sentence_of(const AllowedMotion &motion, double time) {
+  const bool meets = !motion.what.empty();
   std::ostringstream text;
-  text << "the way from t = " << time << " is ";
-  if (motion.what.empty()) {
-    text << "too long to search for what may meet: " << motion.share << " of it was searched";
-  } else {
-    text << "not free: after " << motion.share << " of it " << motion.what
-         << " would come too near to each other";
-  }
+  text << "the way from t = " << time
+       << (meets ? " is not free: after " : " is too long to search for what may meet: ")
+       << motion.share << " of it "
+       << (meets ? motion.what + " would come too near to each other" : "was searched");
   return text.str();
 }
 
@@ -226,17 +224,16 @@ PetscErrorCode ContactPath::predict(const Place &from, const std::vector<double>
 }
 
 PetscErrorCode ContactPath::repeats(PetscInt iterations, bool *again) {
-  constexpr int most = 20, most_of_auto = 5;
   const PetscInt wanted = scene_.options.contact.friction_iterations;
+  // In time the next step has the forces of this one.
+  const PetscInt most = wanted < 0 ? 20 : wanted > 0 ? wanted : scene_.motion ? 1 : 5;
   double lag = 0;
   std::vector<double> u;
   PetscFunctionBeginUser;
-  *again = false;
-  if (!scene_.contact->has_friction()) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(scene_.discretization.copy_local(scene_.displacement, &u));
-  if (wanted != 0) {
-    *again = wanted > 0 ? solves_ < wanted : solves_ < most && (solves_ == 1 || iterations > 1);
-  } else if (solves_ < most_of_auto) {
+  *again = scene_.contact->has_friction() && solves_ < most &&
+           (wanted > 0 || solves_ == 1 || iterations > 1);
+  if (*again) PetscCall(scene_.discretization.copy_local(scene_.displacement, &u));
+  if (*again && wanted == 0) {
     PetscCall(scene_.contact->find_friction_lag(u.data(), &lag));
     *again = lag > tolerated_friction_lag;
   }
