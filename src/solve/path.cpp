@@ -162,6 +162,7 @@ bool Tries::leap_may_be_lower() const {
 
 PetscErrorCode Tries::leap_beside_path() {
   Attempt leap_end;
+  constexpr double same_end = 1e-8;  // as solves end, in units of the energy's scale
   EnergySums of_path, of_leap;
   PetscFunctionBeginUser;
   if (!goes_on_) {
@@ -175,7 +176,7 @@ PetscErrorCode Tries::leap_beside_path() {
   PetscCall(leap(true, &leap_end));
   PetscCall(scene_.functional->energy(end_of_path_, &of_path));
   PetscCall(scene_.functional->energy(scene_.displacement, &of_leap));
-  if (leap_end.converged && of_leap.energy < of_path.energy) {
+  if (leap_end.converged && of_leap.energy < of_path.energy - same_end * of_path.scale) {
     attempt_ = leap_end;
     path_counts_ = false;
     outcome_->path_is_rejected = true;
