@@ -270,6 +270,11 @@ PetscErrorCode add_contact(const std::vector<int> &region_of_cell, Scene *scene)
   PetscCall(check_rest(*scene, diagonal, *term));
   PetscCall(check_outside(mesh, at_start));
   PetscCall(check_bodies_apart(mesh, term->contact_surface()));
+  if (scene->options.time.integrator == "newmark") {
+    scene->warnings.push_back(
+        "newmark does not damp what contact excites, so momenta and forces of contact may be far "
+        "off: take -time_integrator bdf2 or backward_euler");
+  }
   if (!options.iterates.empty()) PetscCall(write_iterates(scene, *term));
   scene->contact = term.get();
   scene->functional->add_term(std::move(term));

@@ -68,8 +68,7 @@ static std::vector<Option> rows_of(StopOptions &stop) {
        &stop.verify_minimum, &stop.verify_minimum_set},
       {"snes_trefoil_verify_share",
        "verify_minimum with an iterative solver: the most that it may take, as a share of the "
-       "solve; "
-       "0: no bound",
+       "solve; 0: no bound",
        Number{&stop.verify_share, is_not_negative, not_negative}},
   };
 }
@@ -121,8 +120,7 @@ std::vector<Option> table_of(SolverOptions &options) {
       {"snes_trefoil_newton_steps",
        "Most steps of conjugate gradients on the unfiltered Hessian that turn a filtered direction "
        "into Newton's, by the same linear solver; -1: 8 with filter newton_first where it is "
-       "direct, "
-       "else 0",
+       "direct, else 0",
        WholeNumber{&search.newton_steps, [](double value) { return value >= -1; },
                    "must be at least -1"}},
       {"snes_trefoil_trust_start",

@@ -100,11 +100,6 @@ PetscErrorCode fill_report(Scene &scene, const SolveOutcome &outcome, const Stat
     report->energy_rise = find_energy_rise(report->states);
     PetscCall(is_energy_made(scene, report->states, *report->energy_rise, &report->energy_is_made));
   }
-  if (scene.contact && scene.options.time.integrator == "newmark") {
-    report->warnings.push_back(
-        "newmark does not damp what contact excites, so momenta and forces of contact may be far "
-        "off: take -time_integrator bdf2 or backward_euler");
-  }
   if (report->energy_is_made) {
     report->warnings.push_back(
         "the total energy has risen although nothing drives the scene, so the motion is wrong: "

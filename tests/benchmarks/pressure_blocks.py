@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 """Nearly incompressible quadratic tetrahedra with one pressure each: conjugate gradients on displacements beside
-Krylov methods on displacements and pressures, iterations by Poisson's ratio and mesh. Needs SciPy.
+Krylov methods on displacements and pressures, iterations by Poisson's ratio and mesh. Debian: python3-scipy.
 
     python3 tests/benchmarks/pressure_blocks.py [n ...]        (4 6 8)
 

@@ -265,6 +265,7 @@ class InTime(ContactTest):
             record = self.solve([*BOX, *FLOOR, "-material_density", "1e3", "-time_end", "0.02", "-time_step",
                                  "0.01", "-time_integrator", integrator, "-load_gravity", "0, 0, -9.81"])
             self.assertEqual(sum("newmark" in text for text in record["result"]["warnings"]), words)
+            self.assertEqual(self.printed.count("WARNING: newmark"), words)
 
     def test_friction_above_the_slope_holds(self):
         x = self.slide(0.55)
