@@ -38,11 +38,14 @@ TEST(MeshFingerprintTest, IsTheSameOnAnyRanks) {
 
 TEST(MeshFingerprintTest, NoticesWhatIsDifferent) {
   const CellList mesh = generate_mesh("box", 4, 0);
-  CellList moved = mesh, rewired = mesh, swapped = mesh;
+  CellList moved = mesh, exchanged = mesh, rewired = mesh, swapped = mesh;
   moved.coordinates[3 * 17 + 1] += 1e-6;
+  const auto vertex = exchanged.coordinates.begin() + 3 * 17;
+  std::swap_ranges(vertex, vertex + 3, exchanged.coordinates.begin());
   std::swap(rewired.cells[0], rewired.cells[1]);
   std::swap_ranges(swapped.cells.begin(), swapped.cells.begin() + 4, swapped.cells.begin() + 4);
   EXPECT_NE(difference(mesh, moved).find("vertices in other places"), std::string::npos);
+  EXPECT_NE(difference(mesh, exchanged).find("vertices in other places"), std::string::npos);
   EXPECT_NE(difference(mesh, rewired).find("of other vertices"), std::string::npos);
   EXPECT_NE(difference(mesh, swapped).find("of other vertices"), std::string::npos);
   EXPECT_NE(difference(mesh, generate_mesh("box", 5, 0)).find("cells there"), std::string::npos);

@@ -291,6 +291,14 @@ TEST(NewtonFirstRuleTest, LowersTheWeightUntilNewtonsTurnComesAgain) {
   EXPECT_EQ(rule->next(step_of(1, absolute, 0.5)), 0);
 }
 
+TEST(NewtonFirstRuleTest, TriesNewtonAfterAStepWithoutARatioWhateverWasRefused) {
+  const auto rule = make_rule("newton_first", {});
+  rule->first();
+  EXPECT_EQ(rule->next(step_of(1, absolute, 1)), 0);
+  EXPECT_EQ(rule->rejected(refused_with(0)), 1. / 32);
+  EXPECT_EQ(rule->next(step_of(not_a_number, absolute, 0.9)), 0);
+}
+
 TEST(NewtonFirstRuleTest, ForgetsARejectionOfTheLastSolve) {
   const auto rule = make_rule("newton_first", {});
   rule->first();

@@ -84,6 +84,7 @@ TEST_P(SearchStateTest, AnotherSnesGoesOnAsTheFirstWouldHave) {
       const auto &mine = rest.history()[k];
       const auto &its = run.history()[k + static_cast<std::size_t>(at)];
       EXPECT_EQ(mine.at("weight"), its.at("weight")) << "from " << at << ", " << k;
+      EXPECT_EQ(mine.at("refused"), its.at("refused")) << "from " << at << ", " << k;
       EXPECT_NEAR(mine.at("energy").get<double>(), its.at("energy").get<double>(), 1e-11);
     }
   }
@@ -96,6 +97,32 @@ INSTANTIATE_TEST_SUITE_P(Filters, SearchStateTest,
                                          Case{"multiplicative", "armijo", false},
                                          Case{"three_state", "subspace", false},
                                          Case{"newton_first", "armijo", true}));
+
+/// A rule that was refused Newton's Hessian waits with another attempt in the next run, too.
+TEST(SearchStateRuleTest, WhatARuleWasRefusedIsGivenBack) {
+  for (const auto &[refused, weight] :
+       {std::pair(1.0, 0.125), std::pair(std::numeric_limits<double>::infinity(), 0.0)}) {
+    Host host;
+    TrefoilSearchState state{};
+    host.option("snes_trefoil_filter", "newton_first");
+    host.option("pc_type", "cholesky");
+    ASSERT_EQ(host.set_up(), PETSC_SUCCESS);
+    state.has_last = PETSC_TRUE;
+    state.last = {.k = 3,
+                  .energy = 1,
+                  .weight = 0.5,
+                  .rho = 1,
+                  .step = 1,
+                  .trials = 1,
+                  .decrement = 1,
+                  .indefinite = 0};
+    state.refused_decrement = refused;
+    ASSERT_EQ(TrefoilSNESSetSearchState(host.snes, &state), PETSC_SUCCESS);
+    ASSERT_EQ(host.solve(convex_start(host.chain)), PETSC_SUCCESS);
+    EXPECT_EQ(host.history().front().at("weight"), weight);
+  }
+}
+
 TEST(SearchNumbersTest, NumbersSurviveTheFile) {
   TrefoilSearchState state{};
   state.trusts_model = PETSC_TRUE;
