@@ -41,6 +41,16 @@ std::string choose_initial(const SceneOptions &options) {
   return is_dear ? "harmonic" : "arap";
 }
 
+PetscErrorCode check_initial_steps(MPI_Comm comm, const SceneOptions &options) {
+  PetscBool has_steps = PETSC_FALSE;
+  PetscFunctionBeginUser;
+  PetscCall(PetscOptionsHasName(nullptr, nullptr, "-initial_steps", &has_steps));
+  const std::string initial = choose_initial(options);
+  PetscCheck(!has_steps || initial == "arap", comm, PETSC_ERR_USER_INPUT,
+             "-initial_steps is for -initial arap; the start is '%s'", initial.c_str());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode set_initial_displacement(const std::string &expression,
                                         const Discretization &discretization, Vec x) {
   const Mesh &mesh = discretization.mesh();

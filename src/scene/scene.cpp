@@ -12,6 +12,7 @@
 #include "scene/constraints.hpp"
 #include "scene/contact_scene.hpp"
 #include "scene/element_pressure.hpp"
+#include "scene/initial_displacement.hpp"
 #include "scene/loads.hpp"
 #include "scene/locking.hpp"
 #include "scene/regions.hpp"
@@ -159,6 +160,7 @@ PetscErrorCode build_scene(MPI_Comm comm, const SceneOptions &options, Scene *sc
   PetscCall(PetscTime(&loaded));
   PetscCall(scene->progress.pass("the mesh is distributed"));
   PetscCall(choose_element_pressure(scene->mesh, &scene->options));
+  PetscCall(check_initial_steps(comm, scene->options));
   PetscCall(scene->constraints.choose(scene->mesh, options));
   if (options.time.is_on) PetscCall(scene->constraints.warn_of_jumps());
   PetscCall(scene->constraints.hold(first_time, &held));

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "output/snapshot.hpp"
-#include "scene/initial_displacement.hpp"
 #include "scene/obstacle_output.hpp"
 #include "scene/scene_option_rows.hpp"
 #include "scene/unknown_options.hpp"
@@ -171,7 +170,6 @@ PetscErrorCode check_files(MPI_Comm comm, const SceneOptions &options) {
 }
 
 PetscErrorCode check_start(MPI_Comm comm, const SceneOptions &options) {
-  PetscBool has_steps = PETSC_FALSE;
   PetscFunctionBeginUser;
   PetscCheck((options.initial == "expression") == !options.initial_displacement.empty(), comm,
              PETSC_ERR_USER_INPUT,
@@ -185,10 +183,6 @@ PetscErrorCode check_start(MPI_Comm comm, const SceneOptions &options) {
                  : "-initial_file is for -initial file");
   PetscCheck(options.initial_steps >= 0, comm, PETSC_ERR_USER_INPUT,
              "-initial_steps must not be negative");
-  PetscCall(PetscOptionsHasName(nullptr, nullptr, "-initial_steps", &has_steps));
-  const std::string initial = choose_initial(options);
-  PetscCheck(!has_steps || initial == "arap", comm, PETSC_ERR_USER_INPUT,
-             "-initial_steps is for -initial arap; the start is '%s'", initial.c_str());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -100,6 +100,20 @@ class Default(unittest.TestCase):
         self.assertLess(abs(chosen / forced - 1), 1e-12)
         self.assertGreater(abs(chosen / pointwise - 1), 1e-4)
 
+    def test_steps_of_the_start_that_it_has(self):
+        """Fitted rotations with a pressure of the elements', the harmonic start without."""
+        options = BOX + ["-order", "2", "-material_poisson", "0.49", "-initial_steps"]
+        few, more = (record_of(options + [steps]) for steps in ("3", "6"))
+        for record in few, more:
+            self.assertEqual(record["status"], 0, record["printed"])
+        self.assertEqual(more["result"]["guess_linear_solves"] -
+                         few["result"]["guess_linear_solves"], 3 * (6 - 3))
+        for ranks in (1, 2):
+            finished = run(options + ["3", "-element_pressure", "pointwise"], ranks)
+            self.assertEqual(finished.returncode, 1)
+            self.assertIn("-initial_steps is for -initial arap; the start is 'harmonic'",
+                          finished.stdout)
+
 
 class SoftStart(unittest.TestCase):
     """The cube of tests/accuracy/incompressible.py."""
