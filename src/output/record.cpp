@@ -78,6 +78,10 @@ void add_contact(const ContactState &contact, Json &json) {
   if (contact.friction_force > 0) {
     json["friction_change"] = number(contact.friction_change / contact.friction_force);
   }
+  if (contact.obstacles.empty()) return;
+  Json forces = Json::object();
+  for (const ObstacleReport &obstacle : contact.obstacles) forces[obstacle.name] = obstacle.force;
+  json["contact_forces"] = forces;
 }
 
 Json state_json(const RunReport &report, const StateReport &state) {

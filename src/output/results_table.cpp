@@ -49,6 +49,11 @@ std::string line_of_names(const RunReport &report) {
     names.add_names("momentum");
     names.add_names("angular_momentum");
   }
+  if (first.contact) {
+    for (const ObstacleReport &obstacle : first.contact->obstacles) {
+      names.add_names(obstacle.name + "_contact_force");
+    }
+  }
   return names.line();
 }
 
@@ -71,6 +76,9 @@ std::string line_of(const StateReport &state) {
     row.add(state.motion->kinetic_energy);
     row.add_vector(state.motion->momentum);
     row.add_vector(state.motion->angular_momentum);
+  }
+  if (state.contact) {
+    for (const ObstacleReport &obstacle : state.contact->obstacles) row.add_vector(obstacle.force);
   }
   return row.line();
 }

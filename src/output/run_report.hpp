@@ -49,6 +49,12 @@ struct ProbeReport {
   std::array<double, 3> displacement{};
 };
 
+/// What an obstacle exerts on the bodies.
+struct ObstacleReport {
+  std::string name;
+  std::array<double, 3> force{};
+};
+
 /// What is in contact in a state.
 struct ContactState {
   double energy = 0;            ///< of the barriers
@@ -59,6 +65,7 @@ struct ContactState {
   int friction_iterations = 0;  ///< solves with other forces of friction
   double friction_force = 0;    ///< summed over the vertices
   double friction_change = 0;   ///< of it, if friction had this state's own normal forces
+  std::vector<ObstacleReport> obstacles = {};
 };
 
 /// How a body moves at the end of a step in time.

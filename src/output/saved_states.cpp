@@ -33,14 +33,19 @@ std::vector<Resultant> load_resultants(const Json &json) {
 }
 
 Json save(const ContactState &contact) {
-  return {{"energy", contact.energy},
-          {"least_gap", contact.least_gap},
-          {"distance", contact.distance},
-          {"stiffening", contact.stiffening},
-          {"pairs", contact.pairs},
-          {"friction_iterations", contact.friction_iterations},
-          {"friction_force", contact.friction_force},
-          {"friction_change", contact.friction_change}};
+  Json json{{"energy", contact.energy},
+            {"least_gap", contact.least_gap},
+            {"distance", contact.distance},
+            {"stiffening", contact.stiffening},
+            {"pairs", contact.pairs},
+            {"friction_iterations", contact.friction_iterations},
+            {"friction_force", contact.friction_force},
+            {"friction_change", contact.friction_change},
+            {"obstacles", Json::array()}};
+  for (const ObstacleReport &obstacle : contact.obstacles) {
+    json["obstacles"].push_back(Json::array({obstacle.name, obstacle.force}));
+  }
+  return json;
 }
 
 ContactState load_contact(const Json &json) {
@@ -54,6 +59,9 @@ ContactState load_contact(const Json &json) {
   contact.friction_iterations = json.at("friction_iterations");
   contact.friction_force = json.value("friction_force", 0.);
   contact.friction_change = json.value("friction_change", 0.);
+  for (const Json &pair : json.value("obstacles", Json::array())) {
+    contact.obstacles.push_back({pair.at(0), pair.at(1).get<std::array<double, 3>>()});
+  }
   return contact;
 }
 

@@ -108,6 +108,11 @@ std::string results(const Json &record) {
   for (const Json &load : record["loads"]) {
     text += load["name"].get<std::string>() + ": force " + vector_text(load["force"]) + "\n";
   }
+  if (result.contains("contact_forces")) {
+    for (const auto &[name, force] : result["contact_forces"].items()) {
+      text += name + ": contact force " + vector_text(force) + "\n";
+    }
+  }
   if (result.contains("probes")) {
     for (const auto &[name, displacement] : result["probes"].items()) {
       text += name + ": displacement " + vector_text(displacement) + "\n";

@@ -161,6 +161,9 @@ PetscErrorCode describe_state(Scene &scene, double t, StateReport *state) {
                       .friction_iterations = contact.friction_solves,
                       .friction_force = contact.friction_force,
                       .friction_change = contact.friction_change};
+    for (const auto &[name, force] : contact.obstacle_forces) {
+      state->contact->obstacles.push_back({name, {force.x, force.y, force.z}});
+    }
   }
   PetscCall(scene.discretization.restore_local(&local, &u));
   state->energy = sums.energy + energy_rest;

@@ -148,6 +148,7 @@ PetscErrorCode ContactTerm::accept_step(const double *u) {
   ContactReport state;
   PetscFunctionBeginUser;
   stiffening_of_step_ = law_.stiffening;
+  PetscCall(find_obstacle_forces(u, &obstacle_forces_));
   if (has_friction()) PetscCall(renew_friction(u));
   lags_of_step_ = std::exchange(lags_, 0);
   PetscCall(surface_->gather(u, &origin_));

@@ -209,7 +209,9 @@ PetscErrorCode ContactTerm::report(const double *u, ContactReport *report) const
   *report = {.stiffening = law_.stiffening,
              .friction_solves = lags_of_step_,
              .friction_force = friction_force_,
-             .friction_change = friction_change_};
+             .friction_change = friction_change_,
+             .obstacle_forces = obstacle_forces_};
+  if (time_ > accepted_time_) PetscCall(find_obstacle_forces(u, &report->obstacle_forces));
   PetscCall(positions(u, &x));
   const auto &candidates = candidates_at(x);
   const auto pairs = contact::pairs_within(surface(), candidates, x, law_.distance);

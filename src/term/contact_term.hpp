@@ -36,6 +36,12 @@ struct ContactParameters {
 /// The share of friction that may lag before a run says so, or solves again.
 constexpr double tolerated_friction_lag = 0.05;
 
+/// What an obstacle exerts on the bodies, friction included.
+struct ObstacleForce {
+  std::string name;
+  contact::Vector3 force;
+};
+
 /// What is in contact at a state.
 struct ContactReport {
   double energy = 0;                                     ///< of the barriers
@@ -45,6 +51,7 @@ struct ContactReport {
   int friction_solves = 0;     ///< of the last step: how often friction got new forces
   double friction_force = 0;   ///< sum of the lengths of the vertices' forces at its end
   double friction_change = 0;  ///< of them, summed alike, if friction had that end's normal forces
+  std::vector<ObstacleForce> obstacle_forces{};
 };
 
 /// Whose way is looked at: of everything, or only of what is prescribed, obstacles included.
@@ -136,6 +143,7 @@ class ContactTerm final : public Term {
   const std::vector<contact::ContactPair> &candidates_at(const Positions &x) const;
   PetscErrorCode add_forces(const double *u, const Positions &x, Positions *forces) const;
   PetscErrorCode add_friction_forces(const double *u, Positions *forces) const;
+  PetscErrorCode find_obstacle_forces(const double *u, std::vector<ObstacleForce> *forces) const;
   PetscErrorCode renew_friction(const double *u);
   PetscErrorCode compare_friction_forces(const Positions &before, const Positions &now);
   /// Takes a 3 x 3 block row by row for each pair of the vertices, some of which may be -1: the
@@ -169,6 +177,7 @@ class ContactTerm final : public Term {
   std::vector<std::vector<contact::FrictionPair>> plane_friction_;  ///< of each half-space
   int lags_ = 0, lags_of_step_ = 0;  ///< of friction: in the step under way, and in the last
   double friction_force_ = 0, friction_change_ = 0;  ///< of the last step; see ContactReport
+  std::vector<ObstacleForce> obstacle_forces_;       ///< at its end
   Positions origin_;                                 ///< displacements at its begin
   double accepted_time_ = 0;
   double stiffening_of_step_ = 1;  ///< by which friction has its forces

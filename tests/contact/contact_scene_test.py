@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """Scenes with contact: no accepted iterate and no state intersects itself or an obstacle, which
 exact.py says independently; friction sticks and slips; ranks agree; what cannot be is refused."""
+import csv
 import json
 import os
 import re
@@ -111,6 +112,11 @@ class ContactTest(unittest.TestCase):
             for word in words:
                 self.assertIn(word, result.stdout)
 
+    def assert_balance(self, force, other):
+        """Two forces hold each other, up to the solver's tolerance."""
+        for a, b in zip(force, other):
+            self.assertAlmostEqual(a, -b, delta=1e-3 * max(map(abs, other)) + 1e-9)
+
 
 PULLED = [*BOX, *FLOOR, *TOP, "-obstacle_floor_friction", "0.4", "-load_steps", "12",
           "-constraint_top_move", "0.4*max(0, t - 0.5), 0, -0.2*min(1, 2*t)"]
@@ -118,8 +124,11 @@ PULLED = [*BOX, *FLOOR, *TOP, "-obstacle_floor_friction", "0.4", "-load_steps", 
 
 class HalfSpace(ContactTest):
     def test_a_block_pressed_onto_a_floor_on_any_ranks(self):
-        results = [record["result"] for record in self.on_any_ranks(PRESSED)]
-        for result in results:
+        records = self.on_any_ranks(PRESSED)
+        results = [record["result"] for record in records]
+        for record, result in zip(records, results):
+            reaction = record["steps"][-1]["reaction"]["top"]
+            self.assert_balance(result["contact_forces"]["floor"], reaction)
             self.assertAlmostEqual(result["energy"] / results[0]["energy"], 1, delta=1e-12)
         self.assertGreater(result["truncated"], 0)
         self.assertGreater(result["contact_energy"], 0)
@@ -142,6 +151,9 @@ class HalfSpace(ContactTest):
         self.assertIn(1, solves)
         self.assertGreater(max(solves), 1)
         self.assertNotIn("WARNING", self.printed)
+        for step in steps:
+            self.assert_balance(step["contact_forces"]["floor"], step["reaction"]["top"])
+        self.assertIn("floor: contact force", self.printed)
 
     def test_a_run_says_how_far_friction_lags(self):
         """What it says is more than any reaction is off, and it warns of much."""
@@ -241,9 +253,21 @@ class Bodies(ContactTest):
     def test_an_obstacle_from_a_file(self):
         with open(self.path("cone.obj"), "w", encoding="utf-8") as file:
             file.write(CONE)
-        self.solve([*BOX, "-constraints", "low", "-constraint_low_where", "z == zmin",
-                    "-obstacles", "cone", "-obstacle_cone_file", "cone.obj",
-                    "-obstacle_cone_move", "0, 0, -0.08"])
+        scene = [*BOX, "-constraints", "low", "-constraint_low_where", "z == zmin",
+                 "-obstacles", "cone,wall", "-obstacle_cone_file", "cone.obj",
+                 "-obstacle_cone_friction", "0.3", "-obstacle_cone_move", "0.01, 0, -0.08",
+                 "-obstacle_wall_plane", "0, 0, 1", "-obstacle_wall_at", "0, 0, -1",
+                 "-output_csv", "forces.csv"]
+        steps = self.solve(scene, ranks=2)["steps"]
+        for step in steps:
+            self.assert_balance(step["contact_forces"]["cone"], step["reaction"]["low"])
+            self.assertEqual(step["contact_forces"]["wall"], [0, 0, 0])
+        self.assertLess(step["contact_forces"]["cone"][2], 0)
+        with open(self.path("forces.csv"), encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+        for i, axis in enumerate("xyz"):
+            self.assertEqual([float(row[f"cone_contact_force_{axis}"]) for row in rows],
+                             [step["contact_forces"]["cone"][i] for step in steps])
 
 
 class InTime(ContactTest):
