@@ -147,20 +147,21 @@ PetscErrorCode write_mesh(MPI_Comm comm, const SceneOptions &options) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode build_scene(MPI_Comm comm, const SceneOptions &options, Scene *scene) {
-  const double first_time = options.time.is_on ? 0 : 1;
+PetscErrorCode build_scene(MPI_Comm comm, const SceneOptions &given, Scene *scene) {
+  const SceneOptions &options = scene->options;  // with what is chosen below
+  const double first_time = given.time.is_on ? 0 : 1;
   HeldDofs held;
   std::vector<int> region_of_cell;
   PetscLogDouble begin = 0, loaded = 0, end = 0;
   PetscFunctionBeginUser;
-  scene->options = options;
+  scene->options = given;
   PetscCall(PetscTime(&begin));
   PetscCall(scene->progress.begin(comm, options.progress_seconds));
   PetscCall(load_mesh(comm, mesh_options(options), check_bent_cells, &scene->mesh));
   PetscCall(PetscTime(&loaded));
   PetscCall(scene->progress.pass("the mesh is distributed"));
   PetscCall(choose_element_pressure(scene->mesh, &scene->options));
-  PetscCall(check_initial_steps(comm, scene->options));
+  PetscCall(check_initial_steps(comm, options));
   PetscCall(scene->constraints.choose(scene->mesh, options));
   if (options.time.is_on) PetscCall(scene->constraints.warn_of_jumps());
   PetscCall(scene->constraints.hold(first_time, &held));

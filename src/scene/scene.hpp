@@ -54,6 +54,6 @@ PetscErrorCode write_mesh(MPI_Comm comm, const SceneOptions &options);
 
 /// Reads or generates the mesh, distributes it, holds what is held, makes the terms and matrices.
 /// Collective; input that makes no scene is an error with one sentence on all ranks.
-PetscErrorCode build_scene(MPI_Comm comm, const SceneOptions &options, Scene *scene);
+PetscErrorCode build_scene(MPI_Comm comm, const SceneOptions &given, Scene *scene);
 
 }  // namespace trefoil
