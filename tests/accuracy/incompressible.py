@@ -3,8 +3,8 @@
 quadratic and P2-P0 elements by Trefoil, and of Taylor and Hood's (P2-P1) by FEniCSx, on the same
 tetrahedra and the same psi, with unknowns, iterations, CPU seconds and memory, each run in a process of
 its own; of FEniCSx's also the part that solves, without Python's imports. The wanted energy is extrapolated
-from the three finest Taylor-Hood meshes of a ratio. Run by hand; seconds are of this machine: compare rows
-of one run.
+from the three finest Taylor-Hood meshes of a ratio. Run by hand, coarse meshes in
+nearly_incompressible_test.py; seconds are of this machine: compare rows of one run.
 
     tests/accuracy/incompressible.py [--quick] [-o incompressible.png] [--csv incompressible.csv]
 """
@@ -18,7 +18,7 @@ import sys
 import tempfile
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-PROGRAM = os.path.join(ROOT, "build", "trefoil")
+PROGRAM = os.environ.get("TREFOIL", os.path.join(ROOT, "build", "trefoil"))
 COLUMNS = ("elements", "nu", "cells", "unknowns", "energy", "error", "iterations", "seconds",
            "its solve", "MB")
 POISSONS = (0.3, 0.49, 0.499, 0.4999, 0.49999)
@@ -115,12 +115,12 @@ def fenicsx_row(cells, poisson, mesh_file):
             "its solve": found["seconds"], "MB": megabytes}
 
 
-def trefoil_row(elements, poisson, mesh_file):
+def trefoil_row(elements, poisson, mesh, record_file):
+    """@param mesh the options that say which"""
     top = (f"(x-0.5)*{math.cos(TURN) - 1}-(y-0.5)*{math.sin(TURN)}, "
            f"(x-0.5)*{math.sin(TURN)}+(y-0.5)*{math.cos(TURN) - 1}, {STRETCH}")
-    record_file = mesh_file + ".json"
     _, seconds, megabytes = measured(
-        [PROGRAM, "-mesh_file", mesh_file, "-material_model", "neo_hookean", "-material_young", "1",
+        [PROGRAM, *mesh, "-material_model", "neo_hookean", "-material_young", "1",
          "-material_poisson", str(poisson), "-constraints", "low,high", "-constraint_low_where",
          "z == zmin", "-constraint_high_where", "z == zmax", "-constraint_high_move", top,
          "-snes_trefoil_record", record_file, *OPTIONS[elements]])
@@ -155,7 +155,7 @@ def rows_of(poisson, sizes, folder):
     wanted = extrapolated(rows)
     for elements in OPTIONS:
         for cells, mesh_file in files.items():
-            row = trefoil_row(elements, poisson, mesh_file)
+            row = trefoil_row(elements, poisson, ["-mesh_file", mesh_file], mesh_file + ".json")
             rows.append(dict(row, elements=elements, nu=poisson, cells=cells))
     for row in rows:
         row["error"] = row["energy"] / wanted - 1
