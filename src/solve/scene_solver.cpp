@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "scene/element_pressure.hpp"
 #include "scene/unknown_options.hpp"
 #include "solve/saved_numbers.hpp"
 #include "solve/set_linear_solver.hpp"
@@ -89,6 +90,10 @@ PetscErrorCode SceneSolver::set_up(const SolveOutcome &outcome, double head_star
   PetscCall(TrefoilSNESSetTrustStart(snes_, trust ? PETSC_TRUE : PETSC_FALSE));
   PetscCall(TrefoilSNESSetHeadStart(snes_, head_start));
   PetscCall(set_defaults_of_linear_solver(scene_.linear_solver, snes_));
+  // An error dp of the pressure costs next to no energy, dp^2 / lambda, and all of it is in forces.
+  if (element_pressure(scene_.options) == ElementPressure::constant) {
+    PetscCall(TrefoilSNESSetTakeLast(snes_, PETSC_TRUE));
+  }
   if (scene_.motion) PetscCall(set_time_defaults(snes_));
   PetscCall(SNESSetFromOptions(snes_));
   PetscCall(check_solver(snes_));
@@ -114,9 +119,8 @@ PetscErrorCode SceneSolver::set_direction_tolerance(double tolerance) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode SceneSolver::loosen(double energy_tolerance, bool takes_last) {
+PetscErrorCode SceneSolver::loosen(double energy_tolerance) {
   PetscFunctionBeginUser;
-  if (takes_last) PetscCall(TrefoilSNESSetTakeLast(snes_, PETSC_TRUE));
   PetscCall(TrefoilSNESSetTolerances(snes_, 0, energy_tolerance));
   PetscCall(TrefoilSNESSetVerifyMinimum(snes_, PETSC_FALSE));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -237,9 +241,7 @@ PetscErrorCode solve_from_start(Scene &scene, const AttemptOptions &options, Che
     PetscCall(solver.go_on(checkpoint));
     checkpoint.end_start();
   }
-  if (options.loose_tolerance > 0) {
-    PetscCall(solver.loosen(options.loose_tolerance, options.takes_last));
-  }
+  if (options.loose_tolerance > 0) PetscCall(solver.loosen(options.loose_tolerance));
   PetscCall(scene.functional->energy(scene.displacement, &start));
   if (options.may_fail && !std::isfinite(start.energy)) {
     attempt->reason = "its start has infinite energy";

@@ -36,8 +36,7 @@ class SceneSolver {
   PetscErrorCode set_direction_tolerance(double tolerance);
 
   /// Ends solves at this energy tolerance, whatever the user says, and verifies none. Collective.
-  /// @param takes_last whether the last direction is taken, which the other solves leave
-  PetscErrorCode loosen(double energy_tolerance, bool takes_last);
+  PetscErrorCode loosen(double energy_tolerance);
 
   /// Says what will solve its linear systems. Collective.
   PetscErrorCode expect(LinearSolver *solver) {
@@ -74,7 +73,6 @@ struct AttemptOptions {
   bool may_fail = false;  ///< a start of infinite energy is a failure like others, not bad input
   double loose_tolerance = 0;  ///< > 0: see SceneSolver::loosen()
   bool goes_on = false;        ///< within a solve that was saved
-  bool takes_last = false;     ///< the direction that shows it to be done
   bool is_saved = true;        ///< on its way
   bool is_last = false;        ///< its end is saved
 };

@@ -42,11 +42,8 @@ bool softens_start(const Scene &scene) {
 PetscErrorCode soften_start(Scene &scene, double head_start, Checkpoint &checkpoint,
                             SolveOutcome *outcome, AttemptRecord *record) {
   const SoftBody body(scene);
-  const AttemptOptions how{.head_start = head_start,
-                           .may_fail = true,
-                           .loose_tolerance = loose,
-                           .takes_last = true,
-                           .is_saved = false};
+  const AttemptOptions how{
+      .head_start = head_start, .may_fail = true, .loose_tolerance = loose, .is_saved = false};
   Vec start = nullptr;
   Attempt attempt;
   PetscFunctionBeginUser;
