@@ -13,7 +13,7 @@
 namespace trefoil {
 namespace {
 
-enum class DirectionStatus { good, unsolved, unfactored, not_finite, indefinite, ascends };
+enum class DirectionStatus { good, unsolved, unfactored, not_finite, zero, indefinite, ascends };
 
 /// Whether a Jacobian that the filter may leave indefinite is so, and by what that is known. The
 /// factors tell where they count negative pivots. Elsewhere a rule that has an answer to it asks
@@ -92,6 +92,10 @@ PetscErrorCode status_of(KSP ksp, const Rule &rule, const FilteredJacobian &jaco
     *status = DirectionStatus::not_finite;
     PetscFunctionReturn(PETSC_SUCCESS);
   }
+  if (state.slope == 0 && record.current.gradient_norm > 0 && !state.lifted) {
+    *status = DirectionStatus::zero;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   if (state.slope > 0 && !state.lifted) {
     *status = clamped ? DirectionStatus::ascends : DirectionStatus::indefinite;
     PetscFunctionReturn(PETSC_SUCCESS);
@@ -155,6 +159,11 @@ PetscErrorCode check_direction(SNES snes, Rule &rule, const SearchMemory &memory
     PetscCall(solve_with_fresh_preconditioner(ksp, state, record));
     PetscCall(status_of(ksp, rule, jacobian, memory, state, record, &status));
   }
+  if (status == DirectionStatus::zero) {  // a tolerance that the first guess meets
+    bool refined = false;
+    PetscCall(refine_direction(ksp, state, record, &refined));
+    PetscCall(status_of(ksp, rule, jacobian, memory, state, record, &status));
+  }
   while (status == DirectionStatus::indefinite) {
     const std::optional<double> weight = rule.rejected(record.current);
     if (!weight) break;
@@ -178,6 +187,15 @@ PetscErrorCode check_direction(SNES snes, Rule &rule, const SearchMemory &memory
     case DirectionStatus::not_finite:
       record.reason = "the energy or the direction is not finite";
       *reason = SNES_DIVERGED_FUNCTION_NANORINF;
+      break;
+    case DirectionStatus::zero:
+      PetscCall(KSPGetConvergedReason(ksp, &solved));
+      record.reason = std::string(
+                          "the linear solver gives no direction where the gradient is not "
+                          "zero (") +
+                      KSPConvergedReasons[solved] +
+                      "): use a direct one, or tune it by -ksp_* and -pc_*";
+      *reason = SNES_DIVERGED_LINEAR_SOLVE;
       break;
     case DirectionStatus::indefinite:
       record.reason =

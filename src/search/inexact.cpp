@@ -2,6 +2,7 @@
 
 #include <petscksp.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "support/petsc_compatibility.hpp"
@@ -56,18 +57,20 @@ PetscErrorCode solve_with_fresh_preconditioner(KSP ksp, LineSearchState &state,
 PetscErrorCode refine_direction(KSP ksp, LineSearchState &state, SolveRecord &record,
                                 bool *refined) {
   constexpr double exact_enough = 1e-3;
+  KSPConvergedReason solved = KSP_CONVERGED_ITERATING;
   PetscBool direct = PETSC_FALSE, starts_from_guess = PETSC_FALSE;
   PetscReal tolerance = 0, absolute = 0, divergence = 0;
   PetscInt iterations = 0, most = 0;
   PetscFunctionBegin;
   PetscCall(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(ksp), KSPPREONLY, &direct));
+  PetscCall(KSPGetConvergedReason(ksp, &solved));
   PetscCall(KSPGetTolerances(ksp, &tolerance, &absolute, &divergence, &most));
-  *refined = !direct && tolerance > exact_enough;
+  *refined = !direct && (tolerance > exact_enough || solved == KSP_CONVERGED_ATOL);
   if (!*refined) PetscFunctionReturn(PETSC_SUCCESS);
   const Phase phase = state.clock.switch_to(Phase::linear_solve);
   PetscCall(KSPGetInitialGuessNonzero(ksp, &starts_from_guess));
   // PETSc measures the residual against the right-hand side, wherever the solve begins.
-  PetscCall(KSPSetTolerances(ksp, exact_enough, absolute, divergence, most));
+  PetscCall(KSPSetTolerances(ksp, std::min(tolerance, exact_enough), 0, divergence, most));
   PetscCall(KSPSetInitialGuessNonzero(ksp, PETSC_TRUE));
   PetscCall(KSPSolve(ksp, state.residual, state.update));
   PetscCall(KSPSetInitialGuessNonzero(ksp, starts_from_guess));

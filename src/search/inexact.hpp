@@ -13,10 +13,10 @@ namespace trefoil {
 PetscErrorCode solve_with_fresh_preconditioner(KSP ksp, LineSearchState &state,
                                                SolveRecord &record);
 
-/// Goes on with a linear solve that ended with its residual above a thousandth of the first one,
-/// until it is there: conjugate gradients from below approach the decrement g'H^-1 g / 2, and a
-/// stop test must not be met because they ended early. The direction and its decrement are
-/// replaced. Collective.
+/// Goes on with a linear solve that ended with its residual above a thousandth of the first one, or
+/// below an absolute tolerance, until it is there: conjugate gradients from below approach the
+/// decrement g'H^-1 g / 2, and a stop test must not be met because they ended early. The direction
+/// and its decrement are replaced. Collective.
 /// @param[out] refined whether there was anything to do
 PetscErrorCode refine_direction(KSP ksp, LineSearchState &state, SolveRecord &record,
                                 bool *refined);

@@ -152,7 +152,9 @@ PetscErrorCode finish_or_leave(Solver &solver, SNESLineSearch search, LineSearch
 }
 
 /// A stop test that an inexact direction meets has to be met by a better one as well.
-PetscErrorCode test_again(Solver &solver, LineSearchState &state, bool is_newtons, bool *stop) {
+/// @param[out] refused why there is none
+PetscErrorCode test_again(Solver &solver, LineSearchState &state, bool is_newtons, bool *stop,
+                          SNESConvergedReason *refused) {
   KSP ksp = nullptr;
   bool refined = false;
   PetscFunctionBegin;
@@ -160,6 +162,9 @@ PetscErrorCode test_again(Solver &solver, LineSearchState &state, bool is_newton
   if (solver.uses_hessian()) PetscCall(refine_direction(ksp, state, solver.record, &refined));
   if (!refined) PetscFunctionReturn(PETSC_SUCCESS);
   solver.record.reason.clear();
+  PetscCall(check_direction(solver.snes, *solver.rule, solver.memory, solver.jacobian, state,
+                            solver.record, refused));
+  if (*refused) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(stop_test(solver.options.stop, solver.energy, state, is_newtons, solver.record, stop));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -192,9 +197,11 @@ PetscErrorCode iterate(Solver &solver, SNESLineSearch search) {
                             (solver.jacobian.is_unfiltered() || solver.jacobian.weight() <= 0.5);
     PetscCall(
         stop_test(solver.options.stop, solver.energy, state, is_newtons, solver.record, &stop));
-    if (stop) PetscCall(test_again(solver, state, is_newtons, &stop));
+    if (stop) PetscCall(test_again(solver, state, is_newtons, &stop, &refused));
   }
-  if (stop) {
+  if (refused) {
+    PetscCall(finish(solver, search, refused));
+  } else if (stop) {
     PetscCall(finish_or_leave(solver, search, state));
   } else {
     PetscCall(search_and_step(solver, search, state));
