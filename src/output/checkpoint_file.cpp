@@ -12,6 +12,7 @@
 #include <fstream>
 
 #include "mesh/io/hdf5_reader.hpp"
+#include "mesh/io/list_check.hpp"
 #include "output/hdf5_file.hpp"
 #include "output/mesh_output.hpp"
 #include "output/output_files.hpp"
@@ -111,6 +112,20 @@ PetscErrorCode CheckpointFiles::prepare() {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// Of each field, by the rows that ranks have of it, what kept_check() makes of it. Collective.
+PetscErrorCode CheckpointFiles::checks_of(const std::map<std::string, std::vector<double>> &rows,
+                                          Json *checks) const {
+  PetscFunctionBeginUser;
+  *checks = Json::object();
+  for (const auto &[name, values] : rows) {
+    std::uint64_t sum =
+        check_of_entries(PetscInt64{3} * order_.first(), std::span<const double>(values));
+    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_UINT64_T, MPI_SUM, comm_of(mesh_)));
+    (*checks)[name] = kept_check(sum);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode CheckpointFiles::write(const std::string &path, const SavedRun &run) {
   constexpr PetscInt64 hdf5_itself = 1 << 20;
   std::map<std::string, std::vector<double>> rows;
@@ -122,6 +137,7 @@ PetscErrorCode CheckpointFiles::write(const std::string &path, const SavedRun &r
     PetscCall(order_.arrange(values_of_owned(mesh_, values.data(), 3), 3, &rows[name]));
   }
   numbers.update(run.numbers);
+  PetscCall(checks_of(rows, &numbers["checks"]));
   std::string text = numbers.dump();
   text += ' ' + std::to_string(check_of(text));
   const auto bytes = static_cast<PetscInt64>(sizeof(PetscInt) * text.size()) +
@@ -140,13 +156,23 @@ PetscErrorCode CheckpointFiles::write(const std::string &path, const SavedRun &r
 }
 
 /// The vectors of a file, 3 numbers for each vertex in their order, for the local vertices.
-PetscErrorCode CheckpointFiles::read_field(const WrittenField &field, std::vector<double> *values) {
-  std::vector<double> rows(static_cast<std::size_t>(3 * order_.share()));
+/// @param numbers of a checkpoint, which has the field's check, or null
+PetscErrorCode CheckpointFiles::read_field(const WrittenField &field, const Json *numbers,
+                                           std::vector<double> *values) {
+  std::map<std::string, std::vector<double>> rows;
+  Json found;
+  const std::string name = field.dataset.substr(field.dataset.rfind('/') + 1);
   PetscFunctionBeginUser;
-  const std::string complaint =
-      complaint_of([&] { rows = field.read(order_.total(), order_.first(), order_.share()); });
+  const std::string complaint = complaint_of(
+      [&] { rows[name] = field.read(order_.total(), order_.first(), order_.share()); });
   PetscCall(agree_on_complaint(comm_of(mesh_), complaint));
-  PetscCall(order_.fetch(mesh_.vertex_number, rows, 3, values));
+  if (numbers && numbers->contains("checks")) {  // the numbers have been checked themselves
+    PetscCall(checks_of(rows, &found));
+    PetscCheck(numbers->at("checks").value(name, PetscInt{-1}) == found[name], comm_of(mesh_),
+               PETSC_ERR_USER_INPUT, "%s is damaged in %s: it is not what was written%s",
+               field.path.c_str(), field.dataset.c_str(), advice);
+  }
+  PetscCall(order_.fetch(mesh_.vertex_number, rows[name], 3, values));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -159,7 +185,7 @@ PetscErrorCode CheckpointFiles::read(const std::string &path, SavedRun *run) {
   });
   PetscCall(agree_on_complaint(comm_of(mesh_), complaint));
   for (const Json &name : run->numbers["fields"]) {
-    PetscCall(read_field({path, dataset_of(name)}, &run->fields[name]));
+    PetscCall(read_field({path, dataset_of(name)}, &run->numbers, &run->fields[name]));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -170,7 +196,7 @@ PetscErrorCode CheckpointFiles::check_places(const WrittenField &points) {
   std::vector<double> places;
   double apart = 0, diagonal = 0;
   PetscFunctionBeginUser;
-  PetscCall(read_field(points, &places));
+  PetscCall(read_field(points, nullptr, &places));
   for (std::size_t i = 0; i < 3; ++i) {
     diagonal = std::hypot(diagonal, mesh_.box_max[i] - mesh_.box_min[i]);
   }
@@ -188,16 +214,18 @@ PetscErrorCode CheckpointFiles::check_places(const WrittenField &points) {
 PetscErrorCode CheckpointFiles::read_displacement(const std::string &path,
                                                   std::vector<double> *displacement) {
   WrittenDisplacement found;
+  Json numbers;  // of a checkpoint
   PetscFunctionBeginUser;
   PetscCall(prepare());
   const std::string complaint = complaint_of([&] {
     const bool is_checkpoint = has_dataset(path, numbers_dataset);
-    if (is_checkpoint) check_mesh(fingerprint_, read_numbers(path), path);
+    if (is_checkpoint) numbers = read_numbers(path);
+    if (is_checkpoint) check_mesh(fingerprint_, numbers, path);
     found = is_checkpoint ? WrittenDisplacement{{path, dataset_of("displacement")}, {}}
                           : find_displacement(path);
   });
   PetscCall(agree_on_complaint(comm_of(mesh_), complaint));
-  PetscCall(read_field(found.values, displacement));
+  PetscCall(read_field(found.values, numbers.is_null() ? nullptr : &numbers, displacement));
   if (!found.points.path.empty()) PetscCall(check_places(found.points));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

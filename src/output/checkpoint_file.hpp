@@ -38,7 +38,10 @@ class CheckpointFiles {
 
  private:
   PetscErrorCode prepare();
-  PetscErrorCode read_field(const WrittenField &field, std::vector<double> *values);
+  PetscErrorCode checks_of(const std::map<std::string, std::vector<double>> &rows,
+                           nlohmann::ordered_json *checks) const;
+  PetscErrorCode read_field(const WrittenField &field, const nlohmann::ordered_json *numbers,
+                            std::vector<double> *values);
   PetscErrorCode check_places(const WrittenField &points);
 
   const Mesh &mesh_;

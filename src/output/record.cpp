@@ -139,6 +139,7 @@ void complete_times(Json &time, const ProgramTimes &times) {
 Json make_record(const RunReport &report) {
   Json record = Json::parse(report.plugin_record, nullptr, false);
   if (!record.is_object()) return record;
+  if (!report.restarted_from.empty()) record["restarted_from"] = report.restarted_from;
   record["mesh"] = mesh_json(report.mesh);
   record["constraints"] = constraints_json(report);
   record["loads"] = loads_json(report);

@@ -111,6 +111,7 @@ struct ProgramTimes {
 /// What a run found: the plugin's record, and all that the plugin knows nothing of.
 struct RunReport {
   std::string plugin_record;         ///< JSON, see TrefoilSNESGetRecord()
+  std::string restarted_from;        ///< the checkpoint's file, if the run goes on from one
   std::string linear_solver;         ///< what solved the linear systems, in words
   std::string linear_solver_reason;  ///< why that
   MeshReport mesh;

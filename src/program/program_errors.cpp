@@ -10,12 +10,14 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "support/free_memory.hpp"
 #include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
 namespace {
 
 std::string kept_sentence;
+bool lacked_memory = false;  ///< when it was kept
 
 /// PETSc breaks long sentences into lines.
 std::string one_line(const std::string &text) {
@@ -37,6 +39,9 @@ void print_kept_error() {
   std::fprintf(stderr, "trefoil: %s\n", one_line(kept_sentence).c_str());
 }
 
+/// What libraries fail without in ways of their own: plugins are loaded, buffers are mapped.
+constexpr std::size_t least_room = std::size_t{64} << 20;
+
 /// The last error counts: earlier ones have been recovered from.
 PetscErrorCode keep(MPI_Comm, int, const char *, const char *, PetscErrorCode code,
                     PetscErrorType type, const char *message, void *) {
@@ -46,6 +51,7 @@ PetscErrorCode keep(MPI_Comm, int, const char *, const char *, PetscErrorCode co
     kept_sentence = "PETSc failed with error " + std::to_string(code);
     if (known && *known) kept_sentence += ", " + std::string(known);
     if (message && *message) kept_sentence = message;
+    lacked_memory = !has_room_for(least_room);
   }
   return code;
 }
@@ -110,7 +116,7 @@ bool explain_lack_of_memory(PetscErrorCode error) {
   // Where it has no memory left, PETSc 3.18 gives a line of its source for the code.
   const bool of_petsc =
       error == PETSC_ERR_MEM || error < PETSC_ERR_MIN_VALUE || error > PETSC_ERR_MAX_VALUE;
-  if (!error || !(of_petsc || of_cholmod)) return false;
+  if (!error || !(of_petsc || of_cholmod || lacked_memory)) return false;
   kept_sentence = std::string("out of memory") +
                   (of_cholmod ? " for the factors of the linear solver: -solver iterative needs "
                                 "much less; else"

@@ -24,6 +24,7 @@
 #include "solve/solve.hpp"
 #include "solve/solver_help.hpp"
 #include "solve/state_log.hpp"
+#include "support/free_memory.hpp"
 #include "support/petsc_compatibility.hpp"
 #include "support/text_file.hpp"
 #include "trefoil.h"
@@ -129,6 +130,7 @@ int run_with_petsc(Arguments &arguments, double begin, bool *has_failed) {
   PetscErrorCode error = PetscInitialize(&argc, &argv, nullptr, scene_help().c_str());
   keep_errors();  // PetscInitialize may have installed its own
   if (!error) error = announce_signals();
+  if (!error) error = take_blas_buffer();
   try {
     if (!error) error = run(arguments, begin, &status);
   } catch (const std::bad_alloc &) {

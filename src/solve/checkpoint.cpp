@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <csignal>
+#include <fstream>
 #include <initializer_list>
 
 #include "scene/initial_displacement.hpp"
@@ -152,6 +153,7 @@ PetscErrorCode Checkpoint::save(const Part &solve) {
   if (!is_on()) PetscFunctionReturn(PETSC_SUCCESS);
   run.numbers["kind"] = kind_of(scene_);
   run.numbers["scene"] = options_of_energy(scene_.options.given);
+  run.numbers["way"] = options_of_way(scene_.options.given);
   for (const Part *part : std::initializer_list<const Part *>{&results_, &way_, &solve}) {
     if (*part) PetscCall((*part)(&run));
   }
@@ -162,9 +164,19 @@ PetscErrorCode Checkpoint::save(const Part &solve) {
   const bool is_news = outcome && !has_failed_;
   has_failed_ = outcome != PETSC_SUCCESS;
   if (!is_news) PetscFunctionReturn(PETSC_SUCCESS);
-  scene_.warnings.push_back("a checkpoint was not written, the one before stays: " + sentence);
+  const bool has_former = std::ifstream(scene_.options.checkpoint.file).good();
+  scene_.warnings.push_back(std::string("a checkpoint was not written") +
+                            (has_former ? ", the one before stays: " : ": ") + sentence);
   PetscCall(PetscPrintf(comm(), "WARNING: %s\n", scene_.warnings.back().c_str()));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// How the options of the way differ from those of the file's run, as the end of a sentence.
+std::string Checkpoint::changes_of_way() const {
+  const std::map<std::string, std::string> there =
+      start_->numbers.value("way", std::map<std::string, std::string>());
+  const std::string changes = differences(there, options_of_way(scene_.options.given));
+  return changes.empty() ? "" : "; " + changes;
 }
 
 PetscErrorCode Checkpoint::take(const std::function<void(const Json &numbers)> &read) const {
@@ -177,8 +189,8 @@ PetscErrorCode Checkpoint::take(const std::function<void(const Json &numbers)> &
   }
   PetscCheck(fits, comm(), PETSC_ERR_USER_INPUT,
              "%s lacks numbers that this scene goes on from: -restart goes on with the scene that "
-             "wrote the file",
-             scene_.options.checkpoint.restart_file.c_str());
+             "wrote the file%s",
+             scene_.options.checkpoint.restart_file.c_str(), changes_of_way().c_str());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -200,8 +212,9 @@ PetscErrorCode Checkpoint::fetch(const std::string &name, std::vector<double> *v
   PetscFunctionBeginUser;
   PetscCheck(found != start_->fields.end(), comm(), PETSC_ERR_USER_INPUT,
              "%s lacks the field '%s' that this scene goes on from: -restart goes on with the "
-             "scene that wrote the file",
-             scene_.options.checkpoint.restart_file.c_str(), name.c_str());
+             "scene that wrote the file%s",
+             scene_.options.checkpoint.restart_file.c_str(), name.c_str(),
+             changes_of_way().c_str());
   *values = found->second;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -62,6 +62,8 @@ class Checkpoint {
   Scene &scene_;
   CheckpointFiles files_;
   Part results_, way_;
+  [[nodiscard]] std::string changes_of_way() const;
+
   std::optional<SavedRun> start_;
   PetscInt passes_ = 0;
   double last_ = 0;  ///< when the last one was written, by the first rank's clock

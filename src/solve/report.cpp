@@ -81,6 +81,7 @@ PetscErrorCode fill_report(Scene &scene, const SolveOutcome &outcome, const Stat
   PetscCall(describe_mesh(scene, &report->mesh));
   report->mesh.inverted_at_start = outcome.inverted_at_start;
   report->plugin_record = outcome.plugin_record;
+  report->restarted_from = scene.options.checkpoint.restart_file;
   report->linear_solver = outcome.linear_solver;
   report->linear_solver_reason = scene.linear_solver.reason;
   report->failure = outcome.failure;

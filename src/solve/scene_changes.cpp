@@ -5,19 +5,37 @@
 
 namespace trefoil {
 
+namespace {
+
+/// Of options by name those that begin with one of some words.
+template <class Words>
+std::map<std::string, std::string> beginning_with(const Words &words,
+                                                  const std::map<std::string, std::string> &given) {
+  std::map<std::string, std::string> kept;
+  for (const auto &[name, value] : given) {
+    const bool counts = std::any_of(std::begin(words), std::end(words),
+                                    [&](const char *word) { return name.rfind(word, 0) == 0; });
+    if (counts) kept[name] = value;
+  }
+  return kept;
+}
+
+}  // namespace
+
 std::map<std::string, std::string> options_of_energy(
     const std::map<std::string, std::string> &given) {
   static const char *const beginnings[] = {
       "material_",  "region",       "constraint",      "load_",           "loads",
       "contact",    "obstacle",     "time_mass",       "time_integrator", "time_beta",
       "time_gamma", "time_damping", "element_pressure"};
-  std::map<std::string, std::string> kept;
-  for (const auto &[name, value] : given) {
-    const bool counts = std::any_of(std::begin(beginnings), std::end(beginnings),
-                                    [&](const char *begin) { return name.rfind(begin, 0) == 0; });
-    if (counts && name.rfind("load_steps", 0) != 0) kept[name] = value;
-  }
+  std::map<std::string, std::string> kept = beginning_with(beginnings, given);
+  std::erase_if(kept, [](const auto &option) { return option.first.rfind("load_steps", 0) == 0; });
   return kept;
+}
+
+std::map<std::string, std::string> options_of_way(const std::map<std::string, std::string> &given) {
+  static const char *const beginnings[] = {"load_steps", "initial", "time_"};
+  return beginning_with(beginnings, given);
 }
 
 std::string differences(const std::map<std::string, std::string> &there,

@@ -164,13 +164,38 @@ class Hdf5Mesh(unittest.TestCase):
                 numbers = data[name][()]
                 numbers[place] = value
                 data[name][...] = numbers
+                if name != "/trefoil/header" or place > 0:
+                    data["/trefoil/header"][0] = 1  # a format whose lists have no checks
             with self.subTest(name=name):
                 self.refused(damaged, "damaged.h5", words)
+        self.refused_if_changed()
         self.refused(self.whole, "-order", "-mesh_write", options=["-order", "2"])
         self.refused(self.whole, "-mesh_normalize", options=["-mesh_normalize"])
         done = run(["-mesh_file", self.gmsh, "-mesh_write", self.gmsh])
         self.assertEqual(done.returncode, 1, done.stdout)
         self.assertIn("write over", done.stdout)
+
+    def refused_if_changed(self):
+        """Whatever list is another than was written, even where it could be a mesh."""
+        with h5py.File(self.whole) as data:
+            lists = [f"/{name}/{member}" for name in ("trefoil", "geometry") for member in data[name]]
+        for name in [*lists, "/topology/cells"]:
+            changed = shutil.copy(self.whole, os.path.join(self.folder.name, "changed.h5"))
+            with h5py.File(changed, "r+") as data:
+                numbers = data[name][()]
+                if name == "/trefoil/header":
+                    numbers.flat[-1] += 1
+                elif name == "/geometry/vertices":
+                    numbers.flat[7] += 1e-9
+                else:  # entries of other places, where there are two that differ
+                    other = next((k for k, number in enumerate(numbers.flat)
+                                  if number != numbers.flat[0]), 0)
+                    if other == 0:
+                        continue
+                    numbers.flat[[0, other]] = numbers.flat[[other, 0]]
+                data[name][...] = numbers
+            with self.subTest(name=name):
+                self.refused(changed, "changed.h5 is damaged in " + name)
 
     def test_damage_at_random(self):
         """Whatever is damaged, it is refused in one sentence, or solved."""

@@ -121,6 +121,7 @@ class Static(RestartTest):
                     rest = self.solve([*options, "-restart", "run.ckpt"], count)
                     self.same_end(whole, rest)
                     self.assertLess(rest["result"]["iterations"], whole["result"]["iterations"])
+                    self.assertEqual(rest["restarted_from"], "run.ckpt")
 
     def test_the_search_goes_on(self):
         """Not only x: weight, trust and previous step make the next iterations those of the run."""
@@ -307,6 +308,18 @@ class Refused(RestartTest):
                 file["checkpoint"][...] = letters
             self.refused([*HARD, "-restart", "run.ckpt"], "run.ckpt is damaged")
 
+    def test_fields_that_are_damaged(self):
+        self.solve([*HARD, *MOMENT, "-snes_max_it", "2"], status=3)
+        with h5py.File(self.path("run.ckpt"), "r+") as file:
+            file["fields/displacement"][20, 1] += 1e-6
+        words = "run.ckpt is damaged in /fields/displacement"
+        self.refused([*HARD, "-restart", "run.ckpt"], words)
+        self.refused([*TURNED, "-initial", "file", "-initial_file", "run.ckpt"], words)
+
+    def test_another_way_is_said(self):
+        self.solve([*TURNED, *MOMENT, "-snes_max_it", "2"], status=3)
+        self.refused([*HARD, "-restart", "run.ckpt"], "-initial none there, harmonic here", ranks=(1,))
+
     def test_options(self):
         self.refused([*HARD, "-restart", "a.ckpt", "-initial", "file", "-initial_file", "b.ckpt"],
                      "give one", ranks=(1,))
@@ -320,9 +333,19 @@ class Refused(RestartTest):
     def test_a_disk_that_is_full(self):
         """The last checkpoint stays, and the run goes on to its end."""
         large = [*HARD, "-mesh_resolution", "10"]
+        text = self.solve_on_a_full_disk(large)
+        self.assertIn("WARNING: a checkpoint was not written: ", text)
+        self.assertEqual(glob.glob(self.path("run.ckpt*")), [])
         self.solve([*large, *MOMENT, "-snes_max_it", "2"], status=3)
         with open(self.path("run.ckpt"), "rb") as file:
             before = file.read()
+        text = self.solve_on_a_full_disk(large)
+        self.assertIn("WARNING: a checkpoint was not written, the one before stays: ", text)
+        with open(self.path("run.ckpt"), "rb") as file:
+            self.assertEqual(file.read(), before)
+        self.assertEqual(glob.glob(self.path("*.part")), [])
+
+    def solve_on_a_full_disk(self, large):
         # As from a full disk, errors come without a signal.
         with subprocess.Popen([PROGRAM, *large, "-checkpoint", "run.ckpt", "-checkpoint_every", "2"],
                               cwd=self.folder, env=environment(), text=True, stdout=subprocess.PIPE,
@@ -332,10 +355,7 @@ class Refused(RestartTest):
             resource.prlimit(process.pid, resource.RLIMIT_FSIZE, (100000, 100000))
             text = "".join(lines + process.stdout.readlines())
             self.assertEqual(process.wait(), 0, text)
-        self.assertIn("WARNING: a checkpoint was not written, the one before stays", text)
-        with open(self.path("run.ckpt"), "rb") as file:
-            self.assertEqual(file.read(), before)
-        self.assertEqual(glob.glob(self.path("*.part")), [])
+        return text
 
 
 class InTime(RestartTest):

@@ -241,6 +241,11 @@ class MemoryTest(unittest.TestCase):
             self.check(result)
             self.assertIn("for its factors" if ranks > 1 else "for the factors", result.stdout)
 
+    def test_no_room_for_the_library_of_linear_algebra(self):
+        """Which would ask for its buffer for ever."""
+        for ranks in 1, 2:
+            self.check(run_within(400 * 1000 ** 2, box(2), ranks))
+
     def test_matrices_that_do_not_fit(self):
         for ranks in 1, 2:
             self.check(run_within(LIMIT, box(40, "-initial", "rest"), ranks))

@@ -11,7 +11,9 @@ inline const std::string header = "/trefoil/header";
 inline const std::string cell_number = "/trefoil/cell_number",
                          vertex_number = "/trefoil/vertex_number", cell_set = "/trefoil/cell_set";
 inline const std::string groups = "/trefoil/groups", group_names = "/trefoil/group_names";
-inline constexpr int format = 1, header_size = 5;
+inline constexpr int format = 2, header_size = 5;
+/// Of every list, see kept_check(); format 1 has none.
+inline const char *const check = "check";
 
 /// What is in groups of one dimension: rows of a cell that has it, its set, its corners.
 inline std::string entities(std::size_t dimension) {

@@ -6,6 +6,7 @@
 #include "mesh/distribution.hpp"
 #include "mesh/io/hdf5_mesh.hpp"
 #include "mesh/io/hdf5_mesh_names.hpp"
+#include "mesh/io/list_check.hpp"
 #include "support/collective_error.hpp"
 #include "support/part_file.hpp"
 #include "support/petsc_compatibility.hpp"
@@ -13,6 +14,23 @@
 
 namespace trefoil {
 namespace {
+
+/// Keeps a number by which the reader knows that a list is as it was written.
+template <class Number>
+PetscErrorCode write_check(PetscViewer viewer, const std::string &name,
+                           const std::vector<Number> &mine) {
+  const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(viewer));
+  const auto count = static_cast<PetscInt64>(mine.size());
+  PetscInt64 first = 0;
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Exscan(&count, &first, 1, MPIU_INT64, MPI_SUM, comm));
+  std::uint64_t sum = check_of_entries(first, std::span<const Number>(mine));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_UINT64_T, MPI_SUM, comm));
+  const PetscInt kept = kept_check(sum);
+  PetscCall(
+      PetscViewerHDF5WriteAttribute(viewer, name.c_str(), hdf5_names::check, PETSC_INT, &kept));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
 /// Writes a list of numbers, rank below rank; nothing where no rank has any.
 PetscErrorCode write_integers(PetscViewer viewer, const std::string &name,
@@ -30,6 +48,7 @@ PetscErrorCode write_integers(PetscViewer viewer, const std::string &name,
     PetscCall(PetscViewerHDF5PushGroup(viewer, name.substr(0, slash).c_str()));
     PetscCall(ISView(list, viewer));
     PetscCall(PetscViewerHDF5PopGroup(viewer));
+    PetscCall(write_check(viewer, name, numbers));
   }
   PetscCall(ISDestroy(&list));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -51,6 +70,7 @@ PetscErrorCode write_points(PetscViewer viewer, const Mesh &mesh) {
   PetscCall(PetscViewerHDF5PushGroup(viewer, "/geometry"));
   PetscCall(VecView(points, viewer));
   PetscCall(PetscViewerHDF5PopGroup(viewer));
+  PetscCall(write_check(viewer, hdf5_names::points, mine));
   PetscCall(VecDestroy(&points));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -88,6 +88,16 @@ void Hdf5Reader::read(const std::string &name, hid_t type, H5T_class_t kind, Pet
   if (!is_read) fail("is damaged in " + name);
 }
 
+PetscInt Hdf5Reader::attribute(const std::string &dataset, const std::string &name) const {
+  std::int64_t number = -1;
+  const hid_t attribute =
+      H5Aopen_by_name(file_, dataset.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT);
+  if (attribute < 0) return -1;
+  if (H5Aread(attribute, H5T_NATIVE_INT64, &number) < 0) number = -1;
+  H5Aclose(attribute);
+  return static_cast<PetscInt>(number);
+}
+
 std::vector<PetscInt> Hdf5Reader::integers(const std::string &dataset, PetscInt first,
                                            PetscInt count) const {
   const hid_t type = sizeof(PetscInt) == sizeof(std::int32_t) ? H5T_NATIVE_INT32 : H5T_NATIVE_INT64;

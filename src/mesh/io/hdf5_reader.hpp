@@ -27,6 +27,8 @@ class Hdf5Reader {
                                                PetscInt count) const;
   [[nodiscard]] std::vector<double> reals(const std::string &dataset, PetscInt first,
                                           PetscInt count) const;
+  /// An attribute of a dataset, or -1 where there is none.
+  [[nodiscard]] PetscInt attribute(const std::string &dataset, const std::string &name) const;
   /// "big.h5 is ..., so ..."
   [[noreturn]] void fail(const std::string &sentence) const;
 
