@@ -32,42 +32,70 @@ PetscErrorCode is_set(const char *option, bool *set) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// The preconditioner that the user names; empty: none.
-PetscErrorCode preconditioner_of_user(std::string *type) {
-  std::array<char, 64> text{};
+/// What the user gives of one of PETSc's own options; empty: nothing.
+PetscErrorCode text_of_user(const char *option, std::string *text) {
+  std::array<char, 64> given{};
   PetscFunctionBeginUser;
-  PetscCall(PetscOptionsGetString(nullptr, nullptr, "-pc_type", text.data(), text.size(), nullptr));
-  *type = text.data();
+  PetscCall(PetscOptionsGetString(nullptr, nullptr, option, given.data(), given.size(), nullptr));
+  *text = given.data();
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+bool is_of_factors(const std::string &preconditioner) {
+  return preconditioner == PCCHOLESKY || preconditioner == PCLU;
+}
+
+/// The package that factors a matrix unless the user names one; empty: PETSc's choice.
+std::string package_of(const std::string &preconditioner, PetscMPIInt ranks, bool is_definite) {
+#if defined(PETSC_HAVE_SUITESPARSE)
+  if (preconditioner == PCCHOLESKY && ranks == 1 && is_definite) return MATSOLVERCHOLMOD;
+#endif
+#if defined(PETSC_HAVE_MUMPS)
+  return MATSOLVERMUMPS;
+#endif
+  static_cast<void>(preconditioner), static_cast<void>(ranks), static_cast<void>(is_definite);
+  return "";
+}
+
+/// What a package is told unless the user tells it otherwise.
+PetscErrorCode set_package(const std::string &package, bool may_be_indefinite, PC pc) {
+  PetscFunctionBeginUser;
+  if (!package.empty()) PetscCall(PCFactorSetMatSolverType(pc, package.c_str()));
+#if defined(PETSC_HAVE_SUITESPARSE)
+  if (package == MATSOLVERCHOLMOD) {
+    // Its other factors exist for indefinite matrices as well. These tell whether a point is a
+    // minimum, and that it is none is an answer, not worth a warning.
+    PetscCall(set_unless_given("-mat_cholmod_factor", "SUPERNODAL"));
+    PetscCall(set_unless_given("-mat_cholmod_print", "0"));
+  }
+#endif
+#if defined(PETSC_HAVE_MUMPS)
+  if (package == MATSOLVERMUMPS) {
+    // Negative pivots are counted, also those of the root, which several ranks would share.
+    if (may_be_indefinite) PetscCall(set_unless_given("-mat_mumps_icntl_13", "1"));
+    // Its own guess of the memory, 20 % more than the analysis says, is sometimes short of one
+    // number.
+    PetscCall(set_unless_given("-mat_mumps_icntl_14", "100"));
+  }
+#endif
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode set_direct(SNES snes, KSP ksp, PC pc) {
+  std::string preconditioner, package;
   PetscMPIInt ranks = 0;
   PetscBool may_be_indefinite = PETSC_FALSE, retries = PETSC_FALSE;
   PetscFunctionBeginUser;
   PetscCallMPI(MPI_Comm_size(PetscObjectComm(reinterpret_cast<PetscObject>(snes)), &ranks));
   PetscCall(TrefoilSNESJacobianMayBeIndefinite(snes, &may_be_indefinite));
   PetscCall(TrefoilSNESRetriesFactors(snes, &retries));
+  PetscCall(text_of_user("-pc_type", &preconditioner));
+  PetscCall(text_of_user("-pc_factor_mat_solver_type", &package));
+  if (preconditioner.empty()) preconditioner = PCCHOLESKY;
+  if (package.empty()) package = package_of(preconditioner, ranks, !may_be_indefinite || retries);
   PetscCall(KSPSetType(ksp, KSPPREONLY));
-  PetscCall(PCSetType(pc, PCCHOLESKY));
-#if defined(PETSC_HAVE_SUITESPARSE)
-  if (ranks == 1 && (!may_be_indefinite || retries)) {
-    PetscCall(PCFactorSetMatSolverType(pc, MATSOLVERCHOLMOD));
-    // Its other factors exist for indefinite matrices as well. These tell whether a point is a
-    // minimum, and that it is none is an answer, not worth a warning.
-    PetscCall(set_unless_given("-mat_cholmod_factor", "SUPERNODAL"));
-    PetscCall(set_unless_given("-mat_cholmod_print", "0"));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-#endif
-#if defined(PETSC_HAVE_MUMPS)
-  PetscCall(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
-  // Negative pivots are counted, also those of the root, which several ranks would share.
-  if (may_be_indefinite) PetscCall(set_unless_given("-mat_mumps_icntl_13", "1"));
-  // Its own guess of the memory, 20 % more than the analysis says, is sometimes short of one
-  // number.
-  PetscCall(set_unless_given("-mat_mumps_icntl_14", "100"));
-#endif
+  PetscCall(PCSetType(pc, preconditioner.c_str()));
+  PetscCall(set_package(package, may_be_indefinite, pc));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -79,7 +107,7 @@ bool has_two_orders(const Scene &scene) {
 PetscErrorCode set_iterative(const Scene &scene, KSP ksp, PC pc) {
   std::string users;
   PetscFunctionBeginUser;
-  PetscCall(preconditioner_of_user(&users));
+  PetscCall(text_of_user("-pc_type", &users));
   PetscCall(KSPSetType(ksp, KSPCG));
   PetscCall(KSPSetTolerances(ksp, 1e-1, PETSC_DEFAULT, PETSC_DEFAULT, 1000));
   if (has_two_orders(scene) && users != PCGAMG) {
@@ -95,6 +123,28 @@ PetscErrorCode set_users(KSP ksp) {
   PetscFunctionBeginUser;
   PetscCall(KSPSetType(ksp, KSPCG));
   PetscCall(KSPSetTolerances(ksp, 1e-8, PETSC_DEFAULT, PETSC_DEFAULT, 2000));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Refuses a package that the user names and that has no such factors: PETSc's sentence names no
+/// way out.
+PetscErrorCode check_package(const Scene &scene, const std::string &preconditioner) {
+  const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(scene.mesh.dm));
+  const bool is_lu = preconditioner == PCLU;
+  std::string package;
+  PetscMPIInt ranks = 0;
+  PetscBool exists = PETSC_FALSE;
+  PetscFunctionBeginUser;
+  PetscCall(text_of_user("-pc_factor_mat_solver_type", &package));
+  if (package.empty()) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCallMPI(MPI_Comm_size(comm, &ranks));
+  PetscCall(MatGetFactorAvailable(scene.hessian, package.c_str(),
+                                  is_lu ? MAT_FACTOR_LU : MAT_FACTOR_CHOLESKY, &exists));
+  PetscCheck(exists, comm, PETSC_ERR_USER_INPUT,
+             "-pc_factor_mat_solver_type %s: there are no %s factors of that name on %d rank%s; "
+             "without the option they are those of %s",
+             package.c_str(), is_lu ? "LU" : "Cholesky", ranks, ranks == 1 ? "" : "s",
+             package_of(is_lu ? PCLU : PCCHOLESKY, ranks, true).c_str());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -134,23 +184,36 @@ PetscErrorCode describe_task(const Scene &scene, SolverTask *task) {
 }  // namespace
 
 PetscErrorCode choose_linear_solver(const Scene &scene, SolverChoice *choice) {
+  const std::string &wish = scene.options.solver;
   std::string users;
   SolverTask task;
   PetscFunctionBeginUser;
-  PetscCall(preconditioner_of_user(&users));
-  if (!users.empty()) {
+  PetscCall(text_of_user("-pc_type", &users));
+  if (users.empty()) {
+    PetscCall(describe_task(scene, &task));
+    *choice = choose_solver(task, wish);
+  } else {
     const bool ours = users == PCGAMG || (users == PCMG && has_two_orders(scene));
-    choice->kind = ours ? SolverKind::iterative : SolverKind::users;
+    choice->kind = is_of_factors(users) ? SolverKind::direct
+                   : ours               ? SolverKind::iterative
+                                        : SolverKind::users;
     choice->reason = "as -pc_type says";
-    PetscFunctionReturn(PETSC_SUCCESS);
+    if (wish != "auto" && (wish == "direct") != is_of_factors(users)) {
+      choice->reason += ", which wins over -solver " + wish;
+    }
   }
-  PetscCall(describe_task(scene, &task));
-  *choice = choose_solver(task, scene.options.solver);
+  if (choice->kind == SolverKind::direct) PetscCall(check_package(scene, users));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode set_defaults_of_linear_solver(const SolverChoice &choice, SNES snes) {
+  KSP ksp = nullptr;
+  PC pc = nullptr;
   PetscFunctionBeginUser;
+  // The types come later, and so do their options: PETSc's own default would take them for its own.
+  PetscCall(SNESGetKSP(snes, &ksp));
+  PetscCall(KSPGetPC(ksp, &pc));
+  PetscCall(PCSetType(pc, PCNONE));
   if (choice.kind != SolverKind::iterative) PetscFunctionReturn(PETSC_SUCCESS);
   // A solve to a tenth is as cheap beside a set-up as one with factors beside a factorisation.
   PetscCall(TrefoilSNESSetCorrections(snes, 8));

@@ -3,7 +3,7 @@ import re
 import subprocess
 import unittest
 
-from trefoil_program import PROGRAM, environment, record_of, run
+from trefoil_program import PROGRAM, environment, record_of, refusal_of, run
 
 BOX = ["-mesh_generate", "box", "-constraints", "held,pulled", "-constraint_held_where",
        "x == xmin", "-constraint_pulled_where", "x == xmax", "-constraint_pulled_move",
@@ -76,6 +76,36 @@ class ChoiceTest(unittest.TestCase):
         result = run(box(4, "-solver", "fast"))
         self.assertEqual(result.returncode, 1)
         self.assertIn("auto, direct, iterative", result.stdout)
+
+    def test_factors_that_are_named_are_the_direct_solvers(self):
+        """With corrections, and without conjugate gradients around them."""
+        default = record_of(box(4))
+        for options, solver in (
+                (["-pc_type", "cholesky"], "Cholesky by cholmod (as -pc_type says)"),
+                (["-solver", "direct", "-pc_type", "cholesky"], "Cholesky by cholmod (as -pc_type"),
+                (["-pc_type", "lu"], "LU by mumps (as -pc_type says)"),
+                (["-pc_factor_mat_solver_type", "mumps"], "Cholesky by mumps (384 tetrahedra"),
+                (["-solver", "direct", "-pc_factor_mat_solver_type", "petsc"],
+                 "Cholesky by petsc (384 tetrahedra")):
+            with self.subTest(options=options):
+                record = record_of(box(4, *options))
+                self.assertIn(solver, linear(record))
+                for count in "iterations", "linear_solves":
+                    self.assertEqual(record["result"][count], default["result"][count])
+        self.assertIn("cg with Cholesky by cholmod",
+                      linear(record_of(box(4, "-pc_type", "cholesky", "-ksp_type", "cg"))))
+
+    def test_a_wish_that_a_preconditioner_contradicts_is_said_to_lose(self):
+        for wish, preconditioner in ("direct", "gamg"), ("iterative", "cholesky"):
+            record = record_of(box(4, "-solver", wish, "-pc_type", preconditioner))
+            self.assertIn(f"(as -pc_type says, which wins over -solver {wish})", linear(record))
+
+    def test_packages_without_such_factors_are_refused(self):
+        package = ["-pc_factor_mat_solver_type", "cholmod"]
+        self.assertIn("no Cholesky factors of that name on 2 ranks; without the option they are "
+                      "those of mumps", refusal_of(box(2, "-pc_type", "cholesky", *package), 2))
+        self.assertIn("no LU factors of that name on 1 rank",
+                      refusal_of(box(2, "-pc_type", "lu", *package)))
 
     def test_the_factors_size_is_known_beforehand(self):
         record = record_of(box(16, "-solver", "direct", "-initial", "rest"))
