@@ -44,7 +44,8 @@ PetscErrorCode SolveProgress::after_linear_iteration(KSP, PetscInt iteration, Pe
   if (!solve.progress_.is_due()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(SNESGetIterationNumber(solve.snes_, &newton));
   std::ostringstream text;
-  text << "iteration " << newton + 1 << ", linear iteration " << iteration;
+  text << "iteration " << newton + 1;
+  if (iteration > 0) text << ", linear iteration " << iteration;  // factors need none
   solve.progress_.show(text.str());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
