@@ -184,6 +184,8 @@ Json make_record(const RunReport &report) {
   result["energy_scale"] = report.energy_scale;
   if (report.energy_rise) result["energy_rise"] = number(*report.energy_rise);
   if (report.energy_is_made) result["energy_is_made"] = true;
+  if (report.force_imbalance) result["force_imbalance"] = number(*report.force_imbalance);
+  if (!report.balance_warning.empty()) result["balance_warning"] = report.balance_warning;
   if (report.friction_lag) result["friction_lag"] = number(*report.friction_lag);
   if (report.friction_is_late) {
     result["friction_is_late"] = true;

@@ -123,11 +123,13 @@ struct RunReport {
   std::string failure;  ///< why the way in load steps did not get to t = 1; empty: it did
   std::vector<std::string> warnings;
   double energy_rest = 0, energy_scale = 0;
-  std::optional<double> energy_rise = {};   ///< in time, of the total energy; a share of its scale
-  bool energy_is_made = false;              ///< that rise comes from nothing
-  std::optional<double> friction_lag = {};  ///< change of friction over friction, of all states
-  bool friction_is_late = false;            ///< so much that results are doubtful
-  std::string friction_advice;              ///< what to do about it
+  std::optional<double> energy_rise = {};  ///< in time, of the total energy; a share of its scale
+  bool energy_is_made = false;             ///< that rise comes from nothing
+  std::optional<double> force_imbalance = {};  ///< at the end, a share of the largest force
+  std::string balance_warning;                 ///< empty: that is little
+  std::optional<double> friction_lag = {};     ///< change of friction over friction, of all states
+  bool friction_is_late = false;               ///< so much that results are doubtful
+  std::string friction_advice;                 ///< what to do about it
   PetscInt guess_linear_solves = 0;
   PetscInt64 inverted = 0;  ///< at the end
   int path_halvings = 0;    ///< of steps on a path of the program's own accord

@@ -63,6 +63,9 @@ std::string verdict(const Json &record) {
                 100 * number(result["friction_lag"])) +
             result["friction_advice"].get<std::string>();
   }
+  if (result.contains("balance_warning")) {
+    text += "; WARNING: " + result["balance_warning"].get<std::string>();
+  }
   const bool in_time = result.contains("kinetic_energy");  // each step is near its own minimum
   if (result["converged"].get<bool>() && result["minimum"].is_null() && !in_time) {
     text += "; unverified: whether this is a minimum is not known";

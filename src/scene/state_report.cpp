@@ -108,27 +108,31 @@ PetscErrorCode look_at_cells(const Scene &scene, const double *u, StateReport *s
 
 }  // namespace
 
-PetscErrorCode reactions_of_vertices(const Scene &scene, std::vector<double> *reactions) {
+std::vector<double> held_part(const Scene &scene, const std::vector<double> &forces) {
   const std::vector<PetscInt> &dofs = scene.discretization.global_dofs();
+  std::vector<double> held(dofs.size(), 0);
+  for (std::size_t k = 0; k < dofs.size(); ++k) held[k] = dofs[k] < 0 ? forces[k] : 0;
+  for (const TurnedVertex &turned : scene.discretization.turned()) {
+    const auto first = static_cast<std::size_t>(3 * turned.vertex);
+    double force[3];
+    std::copy_n(&forces[first], 3, force);
+    turned.to_axes(force);
+    for (int i = turned.held; i < 3; ++i) force[i] = 0;
+    turned.to_space(force);
+    std::copy_n(force, 3, &held[first]);
+  }
+  return held;
+}
+
+PetscErrorCode reactions_of_vertices(const Scene &scene, std::vector<double> *reactions) {
   Vec local = nullptr;
   const PetscScalar *u = nullptr;
-  std::vector<double> held(dofs.size(), 0);
   PetscFunctionBeginUser;
   PetscCall(scene.functional->nodal_gradient(scene.displacement, reactions));
   PetscCall(scene.discretization.get_local(scene.displacement, &local, &u));
   PetscCall(scene.loads.add_at_rims(u, reactions));
   PetscCall(scene.discretization.restore_local(&local, &u));
-  for (std::size_t k = 0; k < dofs.size(); ++k) {
-    held[k] = dofs[k] < 0 ? (*reactions)[k] : 0;  // free: in balance, up to the solver's tolerance
-  }
-  for (const TurnedVertex &turned : scene.discretization.turned()) {
-    double *force = &(*reactions)[static_cast<std::size_t>(3 * turned.vertex)];
-    turned.to_axes(force);
-    for (int i = turned.held; i < 3; ++i) force[i] = 0;
-    turned.to_space(force);
-    std::copy_n(force, 3, &held[static_cast<std::size_t>(3 * turned.vertex)]);
-  }
-  *reactions = held;
+  *reactions = held_part(scene, *reactions);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -13,4 +13,7 @@ PetscErrorCode describe_state(Scene &scene, double t, StateReport *state);
 /// held; 0 where it is free. Collective.
 PetscErrorCode reactions_of_vertices(const Scene &scene, std::vector<double> *reactions);
 
+/// Of forces on vertices, 3 a local one, what acts along directions in which they are held.
+std::vector<double> held_part(const Scene &scene, const std::vector<double> &forces);
+
 }  // namespace trefoil

@@ -1,6 +1,7 @@
 #include "solve/report.hpp"
 
 #include "solve/energy_rise.hpp"
+#include "solve/force_balance.hpp"
 #include "support/petsc_compatibility.hpp"
 
 namespace trefoil {
@@ -73,6 +74,20 @@ std::optional<double> find_friction_lag(const std::vector<StateReport> &states) 
   return force > 0 ? std::optional(change / force) : std::nullopt;
 }
 
+/// Not in time, where inertia is a force as well, and not with contact, whose friction is that of
+/// the next solve by now. Collective.
+PetscErrorCode check_balance(const Scene &scene, const SolveOutcome &outcome, RunReport *report) {
+  ForceBalance balance;
+  PetscFunctionBeginUser;
+  if (scene.motion || scene.contact) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(find_force_balance(scene, report->end, &balance));
+  report->force_imbalance = balance.share;
+  if (!outcome.converged) PetscFunctionReturn(PETSC_SUCCESS);
+  report->balance_warning = warn_of_imbalance(scene, balance);
+  if (!report->balance_warning.empty()) report->warnings.push_back(report->balance_warning);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 }  // namespace
 
 PetscErrorCode fill_report(Scene &scene, const SolveOutcome &outcome, const StateReport &end,
@@ -101,6 +116,7 @@ PetscErrorCode fill_report(Scene &scene, const SolveOutcome &outcome, const Stat
     report->energy_rise = find_energy_rise(report->states);
     PetscCall(is_energy_made(scene, report->states, *report->energy_rise, &report->energy_is_made));
   }
+  PetscCall(check_balance(scene, outcome, report));
   if (report->energy_is_made) {
     report->warnings.push_back(
         "the total energy has risen although nothing drives the scene, so the motion is wrong: "
