@@ -7,6 +7,7 @@
 #include "search/inertia.hpp"
 #include "search/inexact.hpp"
 #include "search/lanczos.hpp"
+#include "search/linear_failure.hpp"
 #include "support/petsc_compatibility.hpp"
 #include "support/real_dot.hpp"
 
@@ -149,7 +150,6 @@ PetscErrorCode check_direction(SNES snes, Rule &rule, const SearchMemory &memory
                                FilteredJacobian &jacobian, LineSearchState &state,
                                SolveRecord &record, SNESConvergedReason *reason) {
   KSP ksp = nullptr;
-  KSPConvergedReason solved = KSP_CONVERGED_ITERATING;
   DirectionStatus status = DirectionStatus::good;
   PetscFunctionBegin;
   *reason = SNES_CONVERGED_ITERATING;
@@ -175,13 +175,13 @@ PetscErrorCode check_direction(SNES snes, Rule &rule, const SearchMemory &memory
     case DirectionStatus::good:
       break;
     case DirectionStatus::unsolved:
-      PetscCall(KSPGetConvergedReason(ksp, &solved));
-      record.reason =
-          std::string("the linear solver failed, with a fresh preconditioner as well (") +
-          KSPConvergedReasons[solved] + "): use a direct one, or tune it by -ksp_* and -pc_*";
+      record.reason = "the linear solver failed, with a fresh preconditioner as well";
+      PetscCall(explain_linear_failure(ksp, &record.reason));
       *reason = SNES_DIVERGED_LINEAR_SOLVE;
       break;
-    case DirectionStatus::unfactored:  // the preconditioner says why
+    case DirectionStatus::unfactored:
+      record.reason = "the linear solver failed";
+      PetscCall(explain_linear_failure(ksp, &record.reason));
       *reason = SNES_DIVERGED_LINEAR_SOLVE;
       break;
     case DirectionStatus::not_finite:
@@ -189,12 +189,8 @@ PetscErrorCode check_direction(SNES snes, Rule &rule, const SearchMemory &memory
       *reason = SNES_DIVERGED_FUNCTION_NANORINF;
       break;
     case DirectionStatus::zero:
-      PetscCall(KSPGetConvergedReason(ksp, &solved));
-      record.reason = std::string(
-                          "the linear solver gives no direction where the gradient is not "
-                          "zero (") +
-                      KSPConvergedReasons[solved] +
-                      "): use a direct one, or tune it by -ksp_* and -pc_*";
+      record.reason = "the linear solver gives no direction where the gradient is not zero";
+      PetscCall(explain_linear_failure(ksp, &record.reason));
       *reason = SNES_DIVERGED_LINEAR_SOLVE;
       break;
     case DirectionStatus::indefinite:

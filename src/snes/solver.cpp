@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "search/linear_failure.hpp"
 #include "snes/json_record.hpp"
 #include "snes/monitor.hpp"
 #include "support/notice.hpp"
@@ -98,29 +99,6 @@ PetscErrorCode Solver::note(const std::string &sentence) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// Whether factors of the Jacobian did not fit into memory.
-static PetscErrorCode lacks_memory_for_factors(PC pc, PCFailedReason failure, bool *lacks) {
-  PetscFunctionBeginUser;
-  *lacks = failure == PC_FACTOR_OUTMEMORY;
-#if defined(PETSC_HAVE_MUMPS)
-  Mat factor = nullptr;
-  MatSolverType package = nullptr;
-  PetscBool mumps = PETSC_FALSE;
-  if (failure != PC_FACTOR_OTHER) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PCFactorGetMatrix(pc, &factor));
-  PetscCall(MatFactorGetSolverType(factor, &package));
-  PetscCall(PetscStrcmp(package, MATSOLVERMUMPS, &mumps));
-  if (mumps) {  // the code that PETSc knows nothing of: what a rank may allocate does not suffice
-    PetscInt error = 0;
-    PetscCall(MatMumpsGetInfog(factor, 1, &error));
-    *lacks = error == -19;
-  }
-#else
-  static_cast<void>(pc);
-#endif
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /// Why the SNES ended, where the search has not said it already.
 static PetscErrorCode explain(SNES snes, SNESConvergedReason reason, std::string *text) {
   const char *name = nullptr;
@@ -131,21 +109,11 @@ static PetscErrorCode explain(SNES snes, SNESConvergedReason reason, std::string
   if (reason == SNES_DIVERGED_MAX_IT) {
     *text = "DIVERGED_MAX_IT: no tolerance is met after -snes_max_it iterations";
   }
-  if (reason == SNES_DIVERGED_LINEAR_SOLVE) {  // FACTOR_OUTMEMORY, FACTOR_NUMERIC_ZEROPIVOT ...
+  if (reason == SNES_DIVERGED_LINEAR_SOLVE) {
     KSP ksp = nullptr;
-    PC pc = nullptr;
-    PCFailedReason failure = PC_NOERROR;
     PetscCall(SNESGetKSP(snes, &ksp));
-    PetscCall(KSPGetPC(ksp, &pc));
-    PetscCall(PCGetFailedReason(pc, &failure));
-    if (failure) *text += std::string(": ") + PCFailedReasons[failure];
-    bool lacks_memory = false;
-    PetscCall(lacks_memory_for_factors(pc, failure, &lacks_memory));
-    if (lacks_memory) {
-      *text =
-          "the linear solver ran out of memory for its factors: an iterative one needs much less "
-          "(-pc_type gamg), and more machines have more";
-    }
+    *text = "the linear solver failed";
+    PetscCall(explain_linear_failure(ksp, text));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -220,8 +220,6 @@ PetscErrorCode set_defaults_of_linear_solver(const SolverChoice &choice, SNES sn
   // What is left of the energy after an inexact direction is worth a step.
   PetscCall(TrefoilSNESSetTakeLast(snes, PETSC_TRUE));
   PetscCall(TrefoilSNESSetVerifyShare(snes, 0.05));
-  // Failures are answered with a fresh set-up, in the search.
-  PetscCall(SNESSetMaxLinearSolveFailures(snes, PETSC_MAX_INT));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -44,22 +44,42 @@ PetscErrorCode set_time_defaults(SNES snes) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// Whether our search drives the SNES, whose options have been read.
+static PetscErrorCode is_ours(SNES snes, bool *ours) {
+  PetscBool is = PETSC_FALSE;
+  PetscFunctionBeginUser;
+  PetscCall(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(snes), SNESNEWTONLS, &is));
+  if (is) {
+    SNESLineSearch search = nullptr;
+    PetscCall(SNESGetLineSearch(snes, &search));
+    PetscCall(
+        PetscObjectTypeCompare(reinterpret_cast<PetscObject>(search), SNESLINESEARCHTREFOIL, &is));
+  } else {
+    PetscCall(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(snes), SNESTREFOIL, &is));
+  }
+  *ours = is == PETSC_TRUE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode set_answer_to_linear_failures(SNES snes) {
+  PetscBool is_given = PETSC_FALSE;
+  bool ours = false;
+  PetscFunctionBeginUser;
+  PetscCall(is_ours(snes, &ours));
+  PetscCall(PetscOptionsHasName(nullptr, nullptr, "-snes_max_linear_solve_fail", &is_given));
+  if (ours && !is_given) PetscCall(SNESSetMaxLinearSolveFailures(snes, PETSC_MAX_INT));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode set_time_tests_of_others(SNES snes) {
   constexpr PetscReal residual = 1e-8, step = 1e-12;
   PetscReal absolute = 0, relative = 0, least_step = 0;
   PetscInt iterations = 0, functions = 0;
-  PetscBool is_ours = PETSC_FALSE, has_relative = PETSC_FALSE, has_step = PETSC_FALSE;
+  PetscBool has_relative = PETSC_FALSE, has_step = PETSC_FALSE;
+  bool ours = false;
   PetscFunctionBeginUser;
-  PetscCall(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(snes), SNESNEWTONLS, &is_ours));
-  if (is_ours) {
-    SNESLineSearch search = nullptr;
-    PetscCall(SNESGetLineSearch(snes, &search));
-    PetscCall(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(search), SNESLINESEARCHTREFOIL,
-                                     &is_ours));
-  } else {
-    PetscCall(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(snes), SNESTREFOIL, &is_ours));
-  }
-  if (is_ours) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(is_ours(snes, &ours));
+  if (ours) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscOptionsHasName(nullptr, nullptr, "-snes_rtol", &has_relative));
   PetscCall(PetscOptionsHasName(nullptr, nullptr, "-snes_stol", &has_step));
   PetscCall(SNESGetTolerances(snes, &absolute, &relative, &least_step, &iterations, &functions));

@@ -189,6 +189,23 @@ class RetryTest(unittest.TestCase):
             self.assertGreater(record["result"]["factorisations"], record["result"]["iterations"])
 
 
+    def test_it_is_the_same_with_a_solver_of_the_users(self):
+        """Where it fails by itself; what it has reached within its iterations is a direction."""
+        record = record_of(box(4, "-pc_type", "jacobi", "-ksp_type", "richardson",
+                               "-ksp_richardson_scale", "100"))
+        self.assertEqual(record["status"], 3, record["printed"])
+        self.assertRegex(record["result"]["reason"], r"^the linear solver failed, with a fresh "
+                         r"preconditioner as well \(DIVERGED_DTOL\): use a direct one, or tune it")
+        self.assertGreater(record["result"]["factorisations"], record["result"]["iterations"])
+        for preconditioner in "jacobi", "gamg":
+            record = record_of(box(4, "-pc_type", preconditioner, "-ksp_max_it", "5"))
+            self.assertEqual(record["status"], 0, record["printed"])
+        others = record_of(box(4, "-pc_type", "jacobi", "-ksp_max_it", "5", "-snes_type",
+                               "newtonls"))
+        self.assertRegex(others["result"]["reason"],
+                         r"^the linear solver failed \(DIVERGED_ITS\): use a direct one, or")
+
+
 class QuadraticTest(unittest.TestCase):
     """p-multigrid: linear elements under quadratic ones."""
 
