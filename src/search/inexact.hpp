@@ -21,4 +21,9 @@ PetscErrorCode solve_with_fresh_preconditioner(KSP ksp, LineSearchState &state,
 PetscErrorCode refine_direction(KSP ksp, LineSearchState &state, SolveRecord &record,
                                 bool *refined);
 
+/// The record gets |H d + g| / |g| of the direction that has met a stop test, H the matrix of the
+/// linear solver; the reason of the end says where options have kept that one from being exact
+/// enough. Collective.
+PetscErrorCode measure_residual(KSP ksp, const LineSearchState &state, SolveRecord &record);
+
 }  // namespace trefoil

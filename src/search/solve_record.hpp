@@ -32,6 +32,8 @@ struct SolveRecord {
   /// g'H^-1 g / 2 at the end, with the unfiltered Hessian: how far above its minimum the energy
   /// still is, to second order. Not-a-number where nobody has factored H.
   double error_estimate = IterationRecord::none;
+  /// |H d + g| / |g| of the direction that met the stop test; not-a-number where none did.
+  double linear_residual = IterationRecord::none;
   std::vector<std::string> notes;  ///< what the user should know of this solve, a sentence each
   int verification_solves = 0;     ///< with the factors of the last Jacobian, to look for it
 

@@ -153,19 +153,34 @@ PetscErrorCode finish_or_leave(Solver &solver, SNESLineSearch search, LineSearch
 
 /// A stop test that an inexact direction meets has to be met by a better one as well.
 /// @param[out] refused why there is none
-PetscErrorCode test_again(Solver &solver, LineSearchState &state, bool is_newtons, bool *stop,
-                          SNESConvergedReason *refused) {
-  KSP ksp = nullptr;
+PetscErrorCode test_again(Solver &solver, KSP ksp, LineSearchState &state, bool is_newtons,
+                          bool *stop, SNESConvergedReason *refused) {
   bool refined = false;
   PetscFunctionBegin;
-  PetscCall(SNESGetKSP(solver.snes, &ksp));
-  if (solver.uses_hessian()) PetscCall(refine_direction(ksp, state, solver.record, &refined));
+  PetscCall(refine_direction(ksp, state, solver.record, &refined));
   if (!refined) PetscFunctionReturn(PETSC_SUCCESS);
   solver.record.reason.clear();
   PetscCall(check_direction(solver.snes, *solver.rule, solver.memory, solver.jacobian, state,
                             solver.record, refused));
+  *stop = false;
   if (*refused) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(stop_test(solver.options.stop, solver.energy, state, is_newtons, solver.record, stop));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Whether the solve ends here, before the direction is taken. A direction of the Hessian that is
+/// none, for want of a linear solver that may go on, is said to be so.
+PetscErrorCode is_end(Solver &solver, LineSearchState &state, bool *stop,
+                      SNESConvergedReason *refused) {
+  const bool is_newtons =
+      solver.uses_hessian() && (solver.jacobian.is_unfiltered() || solver.jacobian.weight() <= 0.5);
+  KSP ksp = nullptr;
+  PetscFunctionBegin;
+  PetscCall(stop_test(solver.options.stop, solver.energy, state, is_newtons, solver.record, stop));
+  if (!*stop || !solver.uses_hessian()) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(SNESGetKSP(solver.snes, &ksp));
+  PetscCall(test_again(solver, ksp, state, is_newtons, stop, refused));
+  if (*stop) PetscCall(measure_residual(ksp, state, solver.record));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -192,13 +207,7 @@ PetscErrorCode iterate(Solver &solver, SNESLineSearch search) {
     PetscCall(finish(solver, search, refused));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  if (!state.lifted) {
-    const bool is_newtons = solver.uses_hessian() &&
-                            (solver.jacobian.is_unfiltered() || solver.jacobian.weight() <= 0.5);
-    PetscCall(
-        stop_test(solver.options.stop, solver.energy, state, is_newtons, solver.record, &stop));
-    if (stop) PetscCall(test_again(solver, state, is_newtons, &stop, &refused));
-  }
+  if (!state.lifted) PetscCall(is_end(solver, state, &stop, &refused));
   if (refused) {
     PetscCall(finish(solver, search, refused));
   } else if (stop) {

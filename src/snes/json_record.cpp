@@ -185,6 +185,7 @@ Json result_json(const SolveRecord &record, double offset) {
           {"reason", record.reason},
           {"minimum", minimum_json(record.end)},
           {"error_estimate", number(record.error_estimate)},
+          {"linear_residual", number(record.linear_residual)},
           {"saddles_left", record.saddles_left},
           {"verification_solves", record.verification_solves},
           {"iterations", record.iterations},

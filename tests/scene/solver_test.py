@@ -145,6 +145,19 @@ class AccuracyTest(unittest.TestCase):
         return next(line for line in record["printed"].splitlines()
                     if line.startswith("converged in"))
 
+    def test_a_last_solve_that_may_not_go_on_is_said_to_be_no_measure(self):
+        for options in (["-ksp_type", "preonly", "-pc_type", "jacobi"],
+                        ["-ksp_type", "preonly", "-pc_type", "gamg"],
+                        ["-solver", "iterative", "-ksp_max_it", "1"]):
+            record = record_of(box(4, *options))
+            self.assertGreater(record["result"]["linear_residual"], 0.01)
+            self.assertRegex(self.verdict(record), r"the energy error is not known: the last "
+                             r"linear solve left [0-9.]+ of the gradient")
+        for options in [], ["-solver", "iterative"]:
+            record = record_of(box(4, *options))
+            self.assertLess(record["result"]["linear_residual"], 0.01)
+            self.assertNotIn("is not known: the last", self.verdict(record))
+
     def test_an_unknown_end_is_said_to_be_unknown(self):
         iterative = box(8, "-solver", "iterative", "-material_poisson", "0.495")
         bounded = record_of(iterative)  # thirty solves tell nothing there

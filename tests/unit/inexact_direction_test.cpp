@@ -41,6 +41,26 @@ TEST(FirstGuessTest, IsNoDirectionThoughAnAbsoluteToleranceIsMetByIt) {
   EXPECT_EQ(absolute, 1e30);
 }
 
+TEST(LastSolveTest, SaysWhereItIsNotExactEnough) {
+  const std::string doubt = "the energy error is not known: the last linear solve left ";
+  for (const Options &options :
+       {Options{{"ksp_type", "preonly"}, {"snes_max_it", "2000"}},
+        Options{
+            {"ksp_max_it", "2"}, {"ksp_rtol", "0.1"}, {"snes_max_linear_solve_fail", "1000"}}}) {
+    const KrylovHost host(options);
+    ASSERT_GT(host.reason, 0) << host.why();
+    EXPECT_NE(host.why().find(doubt), std::string::npos) << host.why();
+    EXPECT_GT(host.record.at("result").at("linear_residual"), 0.01);
+  }
+  for (const Options &options :
+       {Options{{"ksp_rtol", "0.1"}}, Options{{"ksp_type", "preonly"}, {"pc_type", "lu"}}}) {
+    const KrylovHost host(options);
+    ASSERT_GT(host.reason, 0) << host.why();
+    EXPECT_EQ(host.why().find(doubt), std::string::npos) << host.why();
+    EXPECT_LT(host.record.at("result").at("linear_residual"), 0.01);
+  }
+}
+
 TEST(NoDirectionTest, IsAFailureOfTheLinearSolver) {
   const KrylovHost host(Options{{"ksp_type", "richardson"},
                                 {"ksp_richardson_scale", "0"},
