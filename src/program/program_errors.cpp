@@ -113,12 +113,14 @@ bool explain_lack_of_memory(PetscErrorCode error) {
   const bool of_cholmod = kept_sentence.find("CHOLMOD") != std::string::npos &&
                           (kept_sentence.find("status -2") != std::string::npos ||
                            kept_sentence.find("status -3") != std::string::npos);
+  const bool of_factors =
+      of_cholmod || kept_sentence.find("memory for the factors") != std::string::npos;
   // Where it has no memory left, PETSc 3.18 gives a line of its source for the code.
   const bool of_petsc =
       error == PETSC_ERR_MEM || error < PETSC_ERR_MIN_VALUE || error > PETSC_ERR_MAX_VALUE;
   if (!error || !(of_petsc || of_cholmod || lacked_memory)) return false;
   kept_sentence = std::string("out of memory") +
-                  (of_cholmod ? " for the factors of the linear solver: -solver iterative needs "
+                  (of_factors ? " for the factors of the linear solver: -solver iterative needs "
                                 "much less; else"
                               : ":") +
                   " use more machines or a coarser mesh (" + kept_sentence + ")";

@@ -29,11 +29,13 @@ PetscErrorCode print_iteration(MPI_Comm comm, const IterationRecord &iteration,
   const std::string decrement = text_of(iteration.decrement, "%.3e"),
                     rho = text_of(iteration.rho, "%.4f"),
                     indefinite = text_of(100 * iteration.indefinite, "%.0f%%");
+  // The state after the last step has no solve of its own.
+  const bool has_solved = std::isfinite(iteration.decrement) || iteration.linear_iterations > 0;
+  const int solves = has_solved ? 1 + iteration.newton_steps + iteration.shamanskii_steps : 0;
   PetscCall(PetscPrintf(comm, "%4d %21.14e %10.3e %7.3f %10s %8s %6.3f %6d %6d %5s %8.2f\n",
                         iteration.k, iteration.energy + energy_offset, iteration.gradient_norm,
                         iteration.weight, decrement.c_str(), rho.c_str(), iteration.step,
-                        iteration.trials, 1 + iteration.newton_steps + iteration.shamanskii_steps,
-                        indefinite.c_str(), iteration.seconds));
+                        iteration.trials, solves, indefinite.c_str(), iteration.seconds));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

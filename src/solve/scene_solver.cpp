@@ -16,6 +16,9 @@
 namespace trefoil {
 namespace {
 
+/// What the plugin says of MUMPS, which raises no error.
+constexpr const char *no_memory_for_factors = "ran out of memory for its factors";
+
 /// Refuses what PETSc would fail on late, or without a record.
 PetscErrorCode check_solver(SNES snes) {
   const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(snes));
@@ -205,6 +208,9 @@ PetscErrorCode SceneSolver::solve(Attempt *attempt) {
   PetscCheck(json.is_object(), comm, PETSC_ERR_PLIB, "the solver left no record");
   attempt->iterations = json["result"]["iterations"];
   attempt->reason = json["result"]["reason"];
+  // As where CHOLMOD has raised an error: there is no memory for results either.
+  PetscCheck(attempt->reason.find(no_memory_for_factors) == std::string::npos, comm, PETSC_ERR_MEM,
+             "there is no memory for the factors");
   if (scene_.contact && !attempt->converged) PetscCall(explain_by_contact(attempt));
   PetscCall(scene_.functional->count_inverted(scene_.displacement, &attempt->inverted));
   PetscFunctionReturn(PETSC_SUCCESS);

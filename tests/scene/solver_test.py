@@ -140,6 +140,16 @@ class AccuracyTest(unittest.TestCase):
         above = coarse["result"]["energy"] - direct["result"]["energy"]
         self.assertLess(above / direct["result"]["energy_scale"], 1e-7)
 
+    def test_the_state_after_the_last_direction_has_no_solve_of_its_own(self):
+        """It is followed with the iterative solver: one line more than iterations."""
+        record = record_of(box(4, "-solver", "iterative"))
+        last = record["history"][-1]
+        self.assertEqual(len(record["history"]), record["result"]["iterations"] + 1)
+        self.assertEqual((last["decrement"], last["step"], last["linear_iterations"]), (None, 0, 0))
+        line = next(line.split() for line in record["printed"].splitlines()
+                    if line.split()[:1] == [str(last["k"])])
+        self.assertEqual(line[8], "0")
+
     def verdict(self, record):
         self.assertEqual(record["status"], 0, record["printed"])
         return next(line for line in record["printed"].splitlines()
@@ -299,7 +309,9 @@ class MemoryTest(unittest.TestCase):
         for ranks in 1, 2:
             result = run_within(LIMIT, box(24, "-solver", "direct", "-initial", "rest"), ranks)
             self.check(result)
-            self.assertIn("for its factors" if ranks > 1 else "for the factors", result.stdout)
+            self.assertIn("trefoil: out of memory for the factors of the linear solver: -solver "
+                          "iterative needs much less; else", result.stdout)
+            self.assertNotIn("NOT CONVERGED", result.stdout)
 
     def test_no_room_for_the_library_of_linear_algebra(self):
         """Which would ask for its buffer for ever."""
