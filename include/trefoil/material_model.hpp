@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <utility>
 
@@ -38,12 +39,17 @@ class MaterialModel {
   void stresses(const double *H, double *P) const { functions_.stress(material_.get(), H, P); }
   void tangents(const double *H, double *A) const { functions_.tangent(material_.get(), H, A); }
 
-  /// Whether elements may take a part s U of psi at their mean of J, see SplitMaterial. If so, what
-  /// stays at the points, psi - s U, and s U with its derivatives.
+  /// Whether elements may take a part s U of psi at their mean of J, see SplitMaterial.
   [[nodiscard]] bool splits_volume() const { return pointwise_ != nullptr; }
-  [[nodiscard]] const MaterialModel &pointwise() const { return *pointwise_; }
+  /// What stays at the points, psi - s U, and s U with its derivatives: all of psi and nothing
+  /// where the material does not split.
+  [[nodiscard]] const MaterialModel &pointwise() const { return pointwise_ ? *pointwise_ : *this; }
   void mean_laws(const double *J_minus_1, double *law) const {
-    functions_.mean_law(material_.get(), J_minus_1, law);
+    if (functions_.mean_law == nullptr) {
+      std::fill_n(law, 3 * lanes, 0.0);
+    } else {
+      functions_.mean_law(material_.get(), J_minus_1, law);
+    }
   }
 
   /// For one deformation, at the price of eight: psi(F) - psi(I), energy per rest volume.
@@ -54,7 +60,7 @@ class MaterialModel {
   [[nodiscard]] Matrix3<double> cauchy_stress(const Matrix3<double> &H) const;
   /// A = dP/dF.
   void tangent(const Matrix3<double> &H, Tangent<double> &A) const;
-  /// s U and its derivatives at J, where the material splits.
+  /// s U and its derivatives at J; see mean_laws().
   [[nodiscard]] VolumetricLaw<double> mean_law(double J_minus_1) const;
 
   /// psi(I) of the formula as it is known.

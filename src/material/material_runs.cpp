@@ -62,7 +62,7 @@ std::shared_ptr<const MaterialModel> make_mixed_model(std::vector<MixedMaterial:
   PackedFunctions functions{MixedMaterial::energy_densities, MixedMaterial::energy_changes,
                             MixedMaterial::stresses, MixedMaterial::tangents};
   std::shared_ptr<const MaterialModel> pointwise;
-  if (std::all_of(parts.begin(), parts.end(),
+  if (std::any_of(parts.begin(), parts.end(),
                   [](const auto &part) { return part.material->splits_volume(); })) {
     functions.mean_law = MixedMaterial::mean_laws;
     std::vector<MixedMaterial::Part> pointwise_parts = parts;

@@ -17,17 +17,24 @@ std::unique_ptr<MaterialModel> make_softer(MaterialOptions material, double most
   return make_material(material);
 }
 
-}  // namespace
-
+/// The body's material, then those of its regions.
 std::vector<MaterialOptions> named_materials(const SceneOptions &options) {
   std::vector<MaterialOptions> named{options.material};
   for (const RegionOptions &region : options.regions) named.push_back(region.material);
   return named;
 }
 
+}  // namespace
+
+std::vector<MaterialOptions> materials_of_cells(const SceneOptions &options) {
+  std::vector<MaterialOptions> materials = named_materials(options);
+  if (options.is_all_regions) materials.erase(materials.begin());
+  return materials;
+}
+
 bool is_nearly_incompressible(const SceneOptions &options) {
-  const std::vector<MaterialOptions> named = named_materials(options);
-  return std::any_of(named.begin(), named.end(), [](const MaterialOptions &material) {
+  const std::vector<MaterialOptions> materials = materials_of_cells(options);
+  return std::any_of(materials.begin(), materials.end(), [](const MaterialOptions &material) {
     return is_nearly_incompressible(material);
   });
 }
@@ -44,7 +51,7 @@ MaterialRuns body_materials(const SceneOptions &options, const Mesh &mesh,
 
 double largest_volumetric(const SceneOptions &options) {
   double largest = 0;
-  for (const MaterialOptions &material : named_materials(options)) {
+  for (const MaterialOptions &material : materials_of_cells(options)) {
     const double poisson = poisson_at_rest(material);
     largest = std::max(largest, 2 * poisson / (1 - 2 * poisson));
   }

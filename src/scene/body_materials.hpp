@@ -8,8 +8,8 @@
 
 namespace trefoil {
 
-/// The body's material, then those of its regions.
-std::vector<MaterialOptions> named_materials(const SceneOptions &options);
+/// Of which there are cells: the body's material, unless its regions are all of it, and theirs.
+std::vector<MaterialOptions> materials_of_cells(const SceneOptions &options);
 
 /// Whether any of them is, see is_nearly_incompressible(MaterialOptions).
 bool is_nearly_incompressible(const SceneOptions &options);

@@ -1,6 +1,6 @@
 #include "scene/element_pressure.hpp"
 
-#include <string>
+#include <algorithm>
 
 #include "scene/body_materials.hpp"
 #include "support/petsc_compatibility.hpp"
@@ -8,39 +8,25 @@
 namespace trefoil {
 namespace {
 
-/// The first material whose energy is not split; empty: there is none.
+bool splits(const MaterialOptions &material) {
+  return make_material(material)->splits_volume();
+}
+
+/// The first material that is nearly incompressible and whose energy is not split; the first of all
+/// where none is; empty: there is none.
 std::string whole_material(const SceneOptions &options) {
-  for (const MaterialOptions &material : named_materials(options)) {
-    if (!make_material(material)->splits_volume()) return material.model;
+  const std::vector<MaterialOptions> materials = materials_of_cells(options);
+  for (const MaterialOptions &material : materials) {
+    if (is_nearly_incompressible(material) && !splits(material)) return material.model;
   }
-  return "";
+  return std::any_of(materials.begin(), materials.end(), splits) ? "" : materials.front().model;
 }
 
-}  // namespace
-
-PetscErrorCode choose_element_pressure(const Mesh &mesh, SceneOptions *options) {
-  PetscFunctionBeginUser;
-  if (options->element_pressure != "auto") PetscFunctionReturn(PETSC_SUCCESS);
-  const bool is_constant = is_quadratic(*mesh.shape) && options->filter_space == "element" &&
-                           is_nearly_incompressible(*options) && whole_material(*options).empty();
-  options->element_pressure = is_constant ? "constant" : "pointwise";
-  if (is_constant) {
-    PetscCall(PetscPrintf(PetscObjectComm(reinterpret_cast<PetscObject>(mesh.dm)),
-                          "elements: with a constant pressure each, as a material is nearly "
-                          "incompressible (-element_pressure pointwise: without)\n"));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-ElementPressure element_pressure(const SceneOptions &options) {
-  return options.element_pressure == "constant" ? ElementPressure::constant
-                                                : ElementPressure::pointwise;
-}
-
-PetscErrorCode check_element_pressure(const SceneOptions &options, const Mesh &mesh) {
+/// Refuses a constant pressure where there cannot be one. Collective.
+PetscErrorCode check_constant(const SceneOptions &options, const Mesh &mesh,
+                              const std::string &whole) {
   const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(mesh.dm));
   PetscFunctionBeginUser;
-  if (element_pressure(options) == ElementPressure::pointwise) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCheck(
       is_quadratic(*mesh.shape), comm, PETSC_ERR_USER_INPUT,
       "-element_pressure constant is for quadratic elements, and these are linear: their J is the "
@@ -49,7 +35,6 @@ PetscErrorCode check_element_pressure(const SceneOptions &options, const Mesh &m
              "-element_pressure constant couples the quadrature points of an element, and "
              "-snes_trefoil_space deformation filters each on its own; use -snes_trefoil_space "
              "element");
-  const std::string whole = whole_material(options);
   PetscCheck(
       whole.empty(), comm, PETSC_ERR_USER_INPUT,
       "-element_pressure constant takes the part of the energy that depends on the volume alone, "
@@ -57,6 +42,52 @@ PetscErrorCode check_element_pressure(const SceneOptions &options, const Mesh &m
       "stable_neo_hookean, or -element_pressure pointwise",
       whole.c_str());
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Of quadratic elements without it though a material is nearly incompressible.
+std::string warn_of_pointwise(const std::string &whole) {
+  return "quadratic elements lock a little, and their pressure is noise, where a material is "
+         "nearly "
+         "incompressible: " +
+         (whole.empty() ? "-snes_trefoil_space deformation filters each point on its own; without "
+                          "it elements have a pressure of their own"
+                        : whole +
+                              " has no volumetric part that elements could take on the mean; "
+                              "other materials have, such as stable_neo_hookean");
+}
+
+}  // namespace
+
+PetscErrorCode choose_element_pressure(const Mesh &mesh, SceneOptions *options,
+                                       std::vector<std::string> *warnings) {
+  const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(mesh.dm));
+  const bool is_given = options->element_pressure != "auto";
+  const bool is_better = is_quadratic(*mesh.shape) && is_nearly_incompressible(*options);
+  const std::string whole = whole_material(*options);
+  PetscFunctionBeginUser;
+  if (!is_given) {
+    const bool can = whole.empty() && options->filter_space == "element";
+    options->element_pressure = is_better && can ? "constant" : "pointwise";
+  }
+  if (options->element_pressure == "constant") {
+    PetscCall(check_constant(*options, mesh, whole));
+    PetscCall(PetscPrintf(comm, "elements: with a constant pressure each, as %s\n",
+                          is_given ? "-element_pressure says"
+                                   : "a material is nearly incompressible (-element_pressure "
+                                     "pointwise: without)"));
+  } else if (is_better && is_given) {
+    PetscCall(PetscPrintf(comm,
+                          "elements: with their volume at the points, as -element_pressure says; "
+                          "their pressure is noise where a material is nearly incompressible\n"));
+  } else if (is_better) {
+    warnings->push_back(warn_of_pointwise(whole));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+ElementPressure element_pressure(const SceneOptions &options) {
+  return options.element_pressure == "constant" ? ElementPressure::constant
+                                                : ElementPressure::pointwise;
 }
 
 }  // namespace trefoil

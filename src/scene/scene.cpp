@@ -33,12 +33,20 @@ MeshOptions mesh_options(const SceneOptions &options) {
           .partitioner = options.partitioner};
 }
 
+/// Whether all cells are in regions. Collective.
+PetscErrorCode find_all_regions(MPI_Comm comm, const std::vector<int> &region_of_cell, bool *all) {
+  PetscMPIInt any_left = std::count(region_of_cell.begin(), region_of_cell.end(), 0) > 0;
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &any_left, 1, MPI_INT, MPI_MAX, comm));
+  *all = any_left == 0;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /// The elastic term of the materials that the options name.
 PetscErrorCode add_elastic_term(const std::vector<int> &region_of_cell, Scene *scene) {
   const SceneOptions &options = scene->options;
   const Mesh &mesh = scene->mesh;
   PetscFunctionBeginUser;
-  PetscCall(check_element_pressure(options, mesh));
   const auto space =
       options.filter_space == "deformation" ? FilterSpace::deformation : FilterSpace::element;
   auto term =
@@ -67,15 +75,12 @@ PetscErrorCode add_loads(const std::vector<int> &region_of_cell, Scene *scene) {
 /// What is to be known of the materials: that one is nobody's choice, and where elements lock.
 PetscErrorCode tell_materials(MPI_Comm comm, Scene *scene) {
   const SceneOptions &options = scene->options;
-  const bool whole_body = scene->regions.size() > options.regions.size();  // some cells are in none
-  double largest = whole_body ? poisson_at_rest(options.material) : -1;
-  bool locks = whole_body && is_nearly_incompressible(options.material);
+  double largest = -1;
   PetscFunctionBeginUser;
-  for (const RegionOptions &region : options.regions) {
-    largest = std::max(largest, poisson_at_rest(region.material));
-    locks = locks || is_nearly_incompressible(region.material);
+  for (const MaterialOptions &material : materials_of_cells(options)) {
+    largest = std::max(largest, poisson_at_rest(material));
   }
-  if (whole_body && !options.material.is_named) {
+  if (!options.is_all_regions && !options.material.is_named) {
     PetscCall(PetscPrintf(comm,
                           "material: none is named, so the default: %s, Young's modulus %g, "
                           "Poisson's ratio %g\n",
@@ -83,7 +88,7 @@ PetscErrorCode tell_materials(MPI_Comm comm, Scene *scene) {
                           options.material.parameters.constants.young,
                           options.material.parameters.constants.poisson));
   }
-  if (locks && !is_quadratic(*scene->mesh.shape)) {
+  if (is_nearly_incompressible(options) && !is_quadratic(*scene->mesh.shape)) {
     scene->warnings.push_back(warn_of_locking(scene->mesh.dimension(), largest));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -160,7 +165,9 @@ PetscErrorCode build_scene(MPI_Comm comm, const SceneOptions &given, Scene *scen
   PetscCall(load_mesh(comm, mesh_options(options), check_bent_cells, &scene->mesh));
   PetscCall(PetscTime(&loaded));
   PetscCall(scene->progress.pass("the mesh is distributed"));
-  PetscCall(choose_element_pressure(scene->mesh, &scene->options));
+  PetscCall(assign_regions(scene->mesh, options.regions, options.where_tolerance, &region_of_cell));
+  PetscCall(find_all_regions(comm, region_of_cell, &scene->options.is_all_regions));
+  PetscCall(choose_element_pressure(scene->mesh, &scene->options, &scene->warnings));
   PetscCall(check_initial_steps(comm, options));
   PetscCall(scene->constraints.choose(scene->mesh, options));
   if (options.time.is_on) PetscCall(scene->constraints.warn_of_jumps());
@@ -174,7 +181,6 @@ PetscErrorCode build_scene(MPI_Comm comm, const SceneOptions &given, Scene *scen
                           "1, with which algebraic multigrid is slower\n"));
   }
   scene->functional = std::make_unique<EnergyFunctional>(scene->discretization);
-  PetscCall(assign_regions(scene->mesh, options.regions, options.where_tolerance, &region_of_cell));
   PetscCall(add_elastic_term(region_of_cell, scene));
   PetscCall(add_loads(region_of_cell, scene));
   PetscCheck(

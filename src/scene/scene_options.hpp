@@ -89,6 +89,7 @@ struct SceneOptions {
   std::string element_pressure = "auto";  ///< or pointwise, constant; chosen with the mesh
   MaterialOptions material;
   std::vector<RegionOptions> regions;
+  bool is_all_regions = false;  ///< no cell has `material`; known with the mesh
   std::vector<ConstraintOptions> constraints;
   LoadsOptions loads;
   ContactOptions contact;

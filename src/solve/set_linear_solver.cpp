@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 
+#include "scene/body_materials.hpp"
 #include "scene/element_pressure.hpp"
 #include "scene/scene.hpp"
 #include "solve/multigrid.hpp"
@@ -149,9 +150,9 @@ PetscErrorCode check_package(const Scene &scene, const std::string &precondition
 }
 
 double largest_poisson(const SceneOptions &options) {
-  double largest = poisson_at_rest(options.material);
-  for (const RegionOptions &region : options.regions) {
-    largest = std::max(largest, poisson_at_rest(region.material));
+  double largest = -1;
+  for (const MaterialOptions &material : materials_of_cells(options)) {
+    largest = std::max(largest, poisson_at_rest(material));
   }
   return largest;
 }

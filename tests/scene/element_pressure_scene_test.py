@@ -126,6 +126,39 @@ class Default(unittest.TestCase):
                 self.assertEqual("a constant pressure each" in record["printed"],
                                  expected == "constant")
 
+    def test_only_what_cells_are_made_of_counts(self):
+        """Hard parts of another material, and a body's material that its regions leave nothing of."""
+        parts = ["-order", "2", "-material_model", "neo_hookean", "-regions", "part",
+                 "-region_part_where"]
+        for options, expected in (
+                (["z < 0.3", "-material_poisson", "0.49", "-region_part_material_model",
+                  "st_venant_kirchhoff", "-region_part_material_poisson", "0.3"], "constant"),
+                (["z < 2", "-material_poisson", "0.4999", "-region_part_material_poisson", "0.3"],
+                 "pointwise")):
+            with self.subTest(options=options):
+                energies = []
+                for more, ranks in (([], 1), (["-assembly", "plain"], 1), ([], 2)):
+                    record = record_of(BOX + TIGHT + parts + options + more, ranks)
+                    self.assertEqual(record["status"], 0, record["printed"])
+                    self.assertEqual(record["mesh"]["element_pressure"], expected)
+                    self.assertEqual(record["result"]["warnings"], [])
+                    self.assertNotIn("softer body", record["printed"])
+                    energies.append(energy(record))
+                for other in energies[1:]:
+                    self.assertLess(abs(other / energies[0] - 1), 1e-9)
+
+    def test_what_is_worse_is_said(self):
+        nearly = BOX + ["-order", "2", "-material_poisson", "0.49"]
+        for options, words in (
+                (["-material_model", "corotated"], "WARNING: quadratic elements lock a little"),
+                (["-snes_trefoil_space", "deformation"], "WARNING: quadratic elements lock a little"),
+                (["-element_pressure", "pointwise"], "volume at the points, as -element_pressure"),
+                (["-element_pressure", "constant"], "pressure each, as -element_pressure says")):
+            with self.subTest(options=options):
+                record = record_of(nearly + ["-material_model", "neo_hookean"] + options)
+                self.assertEqual(record["status"], 0, record["printed"])
+                self.assertIn(words, record["printed"])
+
     def test_forced_is_what_was_chosen(self):
         options = BOX + TIGHT + ["-order", "2", "-material_poisson", "0.495"]
         chosen, forced, pointwise = (
