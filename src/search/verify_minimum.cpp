@@ -194,6 +194,7 @@ PetscErrorCode finish_by_newton(const SearchOptions &search, const StopOptions &
 /// The solve goes on, and where it will end is not known any more.
 void go_on(SolveRecord &record, SNESConvergedReason *reason) {
   record.end = StationaryPoint::unknown;
+  record.linear_residual = IterationRecord::none;
   record.reason.clear();
   *reason = SNES_CONVERGED_ITERATING;
 }

@@ -168,8 +168,9 @@ PetscErrorCode test_again(Solver &solver, KSP ksp, LineSearchState &state, bool 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// Whether the solve ends here, before the direction is taken. A direction of the Hessian that is
-/// none, for want of a linear solver that may go on, is said to be so.
+/// Whether the solve ends here, before the direction is taken. Where options have kept the linear
+/// solver from an exact one, the reason says so.
+/// @param[out] refused why there is no direction
 PetscErrorCode is_end(Solver &solver, LineSearchState &state, bool *stop,
                       SNESConvergedReason *refused) {
   const bool is_newtons =

@@ -47,19 +47,21 @@ bool is_of_factors(const std::string &preconditioner) {
 }
 
 /// The package that factors a matrix unless the user names one; empty: PETSc's choice.
-std::string package_of(const std::string &preconditioner, PetscMPIInt ranks, bool is_definite) {
+std::string package_of([[maybe_unused]] const std::string &preconditioner,
+                       [[maybe_unused]] PetscMPIInt ranks, [[maybe_unused]] bool is_definite) {
 #if defined(PETSC_HAVE_SUITESPARSE)
   if (preconditioner == PCCHOLESKY && ranks == 1 && is_definite) return MATSOLVERCHOLMOD;
 #endif
 #if defined(PETSC_HAVE_MUMPS)
   return MATSOLVERMUMPS;
-#endif
-  static_cast<void>(preconditioner), static_cast<void>(ranks), static_cast<void>(is_definite);
+#else
   return "";
+#endif
 }
 
 /// What a package is told unless the user tells it otherwise.
-PetscErrorCode set_package(const std::string &package, bool may_be_indefinite, PC pc) {
+PetscErrorCode set_package(const std::string &package, [[maybe_unused]] bool may_be_indefinite,
+                           PC pc) {
   PetscFunctionBeginUser;
   if (!package.empty()) PetscCall(PCFactorSetMatSolverType(pc, package.c_str()));
 #if defined(PETSC_HAVE_SUITESPARSE)
