@@ -69,7 +69,10 @@ PetscErrorCode choose_element_pressure(const Mesh &mesh, SceneOptions *options,
     const bool can = whole.empty() && options->filter_space == "element";
     options->element_pressure = is_better && can ? "constant" : "pointwise";
   }
+  // By what was given checkpoints tell whether they are of the same scene: chosen is like given.
+  options->given.erase("element_pressure");
   if (options->element_pressure == "constant") {
+    options->given["element_pressure"] = "constant";
     PetscCall(check_constant(*options, mesh, whole));
     PetscCall(PetscPrintf(comm, "elements: with a constant pressure each, as %s\n",
                           is_given ? "-element_pressure says"

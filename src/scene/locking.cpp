@@ -26,7 +26,7 @@ double distance(double one, double other) {
 
 }  // namespace
 
-std::string warn_of_locking(int dimension, double poisson) {
+std::string warn_of_locking(int dimension, double poisson, bool has_contact) {
   const Measured &nearest = *std::min_element(
       std::begin(measured), std::end(measured), [&](const Measured &a, const Measured &b) {
         return distance(a.poisson, poisson) < distance(b.poisson, poisson);
@@ -35,7 +35,10 @@ std::string warn_of_locking(int dimension, double poisson) {
   text << "linear elements lock at Poisson's ratio " << poisson
        << " (above 0.4545): the body is stiffer than it should be. At " << nearest.poisson << " a "
        << (dimension == 2 ? "sheared square" : "twisted cube") << " of 8 cells an edge stores "
-       << nearest.excess[dimension - 2] << " % too much energy; -order 2 does not lock";
+       << nearest.excess[dimension - 2]
+       << " % too much energy, and loads or irregular meshes are worse; "
+       << (has_contact ? "contact is for linear elements alone: a ratio of 0.45 or less locks less"
+                       : "-order 2 does not lock");
   return text.str();
 }
 

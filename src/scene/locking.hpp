@@ -8,6 +8,7 @@ namespace trefoil {
 /// whose Poisson's ratio is near.
 /// @param dimension 2 or 3
 /// @param poisson the body's, above 0.4545
-std::string warn_of_locking(int dimension, double poisson);
+/// @param has_contact which is for linear elements alone
+std::string warn_of_locking(int dimension, double poisson, bool has_contact);
 
 }  // namespace trefoil

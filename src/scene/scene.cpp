@@ -89,7 +89,8 @@ PetscErrorCode tell_materials(MPI_Comm comm, Scene *scene) {
                           options.material.parameters.constants.poisson));
   }
   if (is_nearly_incompressible(options) && !is_quadratic(*scene->mesh.shape)) {
-    scene->warnings.push_back(warn_of_locking(scene->mesh.dimension(), largest));
+    scene->warnings.push_back(
+        warn_of_locking(scene->mesh.dimension(), largest, options.contact.is_on));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

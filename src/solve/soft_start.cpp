@@ -52,7 +52,11 @@ PetscErrorCode soften_start(Scene &scene, double head_start, Checkpoint &checkpo
   PetscCall(VecDuplicate(scene.displacement, &start));
   PetscCall(VecCopy(scene.displacement, start));
   PetscCall(solve_from_start(scene, how, checkpoint, *outcome, &attempt));
-  if (!attempt.converged) PetscCall(VecCopy(start, scene.displacement));
+  if (!attempt.converged) {
+    PetscCall(VecCopy(start, scene.displacement));
+    PetscCall(PetscPrintf(PetscObjectComm(reinterpret_cast<PetscObject>(scene.mesh.dm)),
+                          "start: the softer body has found no equilibrium; without it\n"));
+  }
   PetscCall(VecDestroy(&start));
   if (!attempt.record.empty()) outcome->linear_solver = attempt.linear_solver;
   *record = {attempt.record, number_of_load_step, !attempt.converged};

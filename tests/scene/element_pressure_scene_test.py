@@ -147,6 +147,15 @@ class Default(unittest.TestCase):
                 for other in energies[1:]:
                     self.assertLess(abs(other / energies[0] - 1), 1e-9)
 
+    def test_advice_fits_contact(self):
+        """Which quadratic elements have not."""
+        for more, words in (([], "-order 2 does not lock"),
+                            (["-contact_self"], "contact is for linear elements alone")):
+            printed = record_of(BOX + ["-material_poisson", "0.49", *more])["printed"]
+            self.assertIn("linear elements lock", printed)
+            self.assertIn(words, printed)
+            self.assertEqual("-order 2" in printed, not more)
+
     def test_what_is_worse_is_said(self):
         nearly = BOX + ["-order", "2", "-material_poisson", "0.49"]
         for options, words in (
@@ -205,6 +214,12 @@ class SoftStart(unittest.TestCase):
                 self.assertEqual(sum(result["load_step_iterations"]), result["iterations"])
                 self.assertLess(result["iterations"], 0.6 * directly["result"]["iterations"])
                 self.assertLess(abs(energy(record) / energy(directly) - 1), 1e-9)
+
+    def test_failure_is_said(self):
+        record = record_of([*self.TURNED, "-material_poisson", "0.4999", "-mesh_resolution", "3",
+                            "-snes_max_it", "1"])
+        self.assertEqual(record["status"], 3)
+        self.assertIn("the softer body has found no equilibrium; without it", record["printed"])
 
     def test_only_where_it_pays(self):
         for poisson, options in ((0.49, []), (0.4999, ["-element_pressure", "pointwise"])):

@@ -297,6 +297,18 @@ class Refused(RestartTest):
         printed = run([*HARD, "-material_young", "2e6", "-restart", "run.ckpt"], 2, self.folder).stdout
         self.assertEqual(printed.count("WARNING: the run goes on from one of another scene"), 1)
 
+    def test_a_pressure_of_elements_that_was_chosen_is_like_one_that_is_given(self):
+        rubber = ["-mesh_generate", "square", "-mesh_resolution", "2", "-order", "2",
+                  "-material_poisson", "0.49", "-constraints", "low", "-constraint_low_where",
+                  "y == ymin", "-loads", "pull", "-load_pull_where", "y == ymax",
+                  "-load_pull_traction", "1e4, 0"]
+        self.solve([*rubber, "-checkpoint", "rubber.ckpt"])
+        restart = [*rubber, "-restart", "rubber.ckpt", "-element_pressure"]
+        for pressure in ("constant", "auto"):
+            self.assertEqual(self.solve([*restart, pressure])["result"]["warnings"], [])
+        self.assertIn("-element_pressure constant there",
+                      self.solve([*restart, "pointwise"])["result"]["warnings"][0])
+
     def test_numbers_that_are_damaged(self):
         """Of these the program could not make sense; a letter of them may be damaged on a disk."""
         self.solve([*HARD, *MOMENT, "-snes_max_it", "2"], status=3)
