@@ -7,6 +7,7 @@ void RunRecord::add(const std::string &text, int number, bool is_rejected) {
   if (!record.is_object()) return;
   Json &result = record["result"];
   const int solves_before = solves_ == 0 ? 0 : last_["result"]["linear_solves"].get<int>();
+  const bool was_softer = !history_.empty() && history_.back()[step_] == 0;  // see soften_start()
   for (Json entry : record["history"]) {
     entry["k"] = history_.size();
     entry["linear_solves"] = solves_before + entry["linear_solves"].get<int>();
@@ -26,7 +27,7 @@ void RunRecord::add(const std::string &text, int number, bool is_rejected) {
                               "factorisations", "line_search_trials"}) {
       result[count] = result[count].get<int>() + last_["result"][count].get<int>();
     }
-    result["energy_start"] = last_["result"]["energy_start"];
+    if (!was_softer) result["energy_start"] = last_["result"]["energy_start"];
     for (auto &[phase, seconds] : record["time"].items()) {
       seconds = seconds.get<double>() + last_["time"][phase].get<double>();
     }

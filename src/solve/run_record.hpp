@@ -24,7 +24,7 @@ class RunRecord {
   explicit RunRecord(std::string step) : step_(std::move(step)) {}
 
   /// @param record JSON, see TrefoilSNESGetRecord()
-  /// @param number of the step, from 1
+  /// @param number of the step, from 1; 0: of a softer body, whose energy is another
   /// @param is_rejected the solve failed, or its end was not taken
   void add(const std::string &record, int number, bool is_rejected);
   /// JSON; empty where nothing was added.

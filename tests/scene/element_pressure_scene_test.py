@@ -212,6 +212,8 @@ class SoftStart(unittest.TestCase):
                 self.assertIn("softer body", record["printed"])
                 self.assertEqual(record["printed"].count("linear solver:"), 1)
                 self.assertEqual(sum(result["load_step_iterations"]), result["iterations"])
+                first = next(e for e in record["history"] if e["load_step"] == 1)
+                self.assertAlmostEqual(result["energy_start"], first["energy"])
                 self.assertLess(result["iterations"], 0.6 * directly["result"]["iterations"])
                 self.assertLess(abs(energy(record) / energy(directly) - 1), 1e-9)
 

@@ -170,7 +170,8 @@ PetscErrorCode print_mesh(MPI_Comm comm, const std::string &name, PetscInt coinc
   const bool quadratic = is_quadratic(*mesh.shape);
   PetscCall(PetscPrintf(comm, "mesh: %s, %" PetscInt_FMT " %s, %" PetscInt_FMT " %s%s",
                         name.c_str(), mesh.total_vertices, quadratic ? "nodes" : "vertices",
-                        mesh.total_cells, quadratic ? "quadratic " : "", mesh.shape->plural));
+                        mesh.total_cells, quadratic ? "quadratic " : "",
+                        mesh.total_cells == 1 ? mesh.shape->singular : mesh.shape->plural));
   if (mesh.parts > 1) {
     PetscCall(PetscPrintf(comm, ", %" PetscInt_FMT " unconnected parts", mesh.parts));
   }
