@@ -223,7 +223,7 @@ struct Kernels {
   }
 
   static ElementKernels all() {
-    return {energy, energy_changes, forces, hessians, tangents, contract, expand};
+    return {energy, energy_changes, forces, hessians, tangents, contract, expand, nullptr, nullptr};
   }
 };
 

@@ -82,6 +82,15 @@ struct ElementKernels {
   /// Expands one pack's reduced matrix K to the blocks H_ab = sum_kl Q[a][k] Q[b][l] K_kl, a <= b,
   /// row by row: entry (i, m) of block number q at (dim^2 q + dim i + m) * 8.
   void (*expand)(const double *K, double *blocks);
+  /// Of elements with a pressure of their own, else null: dU/dJ after a step d, linearised at u,
+  /// one number an element, eight a pack from `first` on (tension is positive).
+  void (*pressures)(const MaterialModel &material, const ElementPacks &elements, PetscInt first,
+                    PetscInt count, const double *u, const double *d, double *pressures) = nullptr;
+  /// The same elements' Hessians with what pressures() wrote in place of their pressures at u, as
+  /// those of unknowns of their own.
+  void (*hessians_at_pressures)(const MaterialModel &material, const ElementPacks &elements,
+                                PetscInt first, PetscInt count, const double *u,
+                                const double *pressures, double *K) = nullptr;
 };
 
 /// How a quadratic element takes the volumetric part U(J) of psi = W(F) + U(J).

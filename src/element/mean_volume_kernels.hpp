@@ -130,18 +130,27 @@ struct MeanVolumeKernels {
     }
   }
 
-  /// sum_q w_q B'(dP_q/dF + U'(theta) d(cof F)/dF)B + V U''(theta) g g',   g = d(theta)/du.
   static void hessians(const MaterialModel &material, const ElementPacks &packed, PetscInt first,
                        PetscInt count, const double *u, double *K) {
+    hessians_at_pressures(material, packed, first, count, u, nullptr, K);
+  }
+
+  /// sum_q w_q B'(dP_q/dF + p d(cof F)/dF)B + V U''(theta) g g',   g = d(theta)/du.
+  /// @param pressures p; null: U'(theta)
+  static void hessians_at_pressures(const MaterialModel &material, const ElementPacks &packed,
+                                    PetscInt first, PetscInt count, const double *u,
+                                    const double *pressures, double *K) {
     alignas(64) double full[81 * lanes], A[points * Plain::tangent_entries * lanes];
     for (PetscInt pack = first; pack < first + count; ++pack) {
       const State state(material, packed, pack, u);
+      const Real pressure =
+          pressures ? Real::load(pressures + lanes * (pack - first)) : state.slope;
       Real g[rows];
       for (int q = 0; q < points; ++q) {
         const Deformation<Real> deformation = state.deformation(q);
         material.pointwise().tangents(state.H[q], full);
         Tangent<Real> tangent = packed::load<isa, 81>(full);
-        add_cofactor_derivative(state.slope, deformation.F(), tangent);
+        add_cofactor_derivative(pressure, deformation.F(), tangent);
         packed::store<isa>(tangent, full);
         Plain::store_triangle(full, A + q * Plain::tangent_entries * lanes);
         const Matrix3<Real> C = deformation.cofactor();
@@ -159,12 +168,35 @@ struct MeanVolumeKernels {
     }
   }
 
+  /// U'(theta) + U''(theta) g'd.
+  static void pressures(const MaterialModel &material, const ElementPacks &packed, PetscInt first,
+                        PetscInt count, const double *u, const double *d, double *pressures) {
+    typename Elements::Displacements D;
+    alignas(64) double step[9 * lanes];
+    for (PetscInt pack = first; pack < first + count; ++pack, pressures += lanes) {
+      const State state(material, packed, pack, u);
+      Real change;
+      state.elements.displacements(d, D);
+      for (int q = 0; q < points; ++q) {
+        Elements::displacement_gradient(D, state.G[q], step);
+        const Matrix3<Real> C = state.deformation(q).cofactor();
+        const Real share = state.weight[q] * state.over_volume;
+        for (std::size_t k = 0; k < 9; ++k) {
+          change += share * C.entries[k] * Real::load(step + lanes * k);
+        }
+      }
+      (state.slope + state.curvature * change).store(pressures);
+    }
+  }
+
   static ElementKernels all() {
     ElementKernels kernels = Plain::all();
     kernels.energy = energy;
     kernels.energy_changes = energy_changes;
     kernels.forces = forces;
     kernels.hessians = hessians;
+    kernels.pressures = pressures;
+    kernels.hessians_at_pressures = hessians_at_pressures;
     return kernels;
   }
 };

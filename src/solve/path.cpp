@@ -105,12 +105,10 @@ PetscErrorCode Tries::go_on() {
 /// Nearer to the end, where that is worth a solve.
 PetscErrorCode Tries::soften() {
   PetscLogDouble now = 0;
-  AttemptRecord record;
   PetscFunctionBeginUser;
   if (!softens_start(scene_)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscTime(&now));
-  PetscCall(soften_start(scene_, now - begin_, checkpoint_, outcome_, &record));
-  if (!record.json.empty()) leap_records_.push_back(std::move(record));
+  PetscCall(soften_start(scene_, now - begin_, checkpoint_, outcome_, &leap_records_));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -1,5 +1,6 @@
 #include "solve/scene_solver.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -127,6 +128,23 @@ PetscErrorCode SceneSolver::loosen(double energy_tolerance) {
   PetscFunctionBeginUser;
   PetscCall(TrefoilSNESSetTolerances(snes_, 0, energy_tolerance));
   PetscCall(TrefoilSNESSetVerifyMinimum(snes_, PETSC_FALSE));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode SceneSolver::take_full_steps(PetscInt most, double residual_share,
+                                            PetscErrorCode (*follow)(SNES, PetscInt, PetscReal,
+                                                                     void *),
+                                            void *context) {
+  SNESLineSearch search = nullptr;
+  PetscInt iterations = 0, functions = 0;
+  PetscFunctionBeginUser;
+  PetscCall(SNESSetType(snes_, SNESNEWTONLS));
+  PetscCall(SNESGetLineSearch(snes_, &search));
+  PetscCall(SNESLineSearchSetType(search, SNESLINESEARCHBASIC));
+  PetscCall(TrefoilSNESSetFilter(snes_, "newton"));
+  PetscCall(SNESGetTolerances(snes_, nullptr, nullptr, nullptr, &iterations, &functions));
+  PetscCall(SNESSetTolerances(snes_, 0, residual_share, 0, std::min(most, iterations), functions));
+  PetscCall(SNESMonitorSet(snes_, follow, context, nullptr));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

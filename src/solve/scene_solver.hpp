@@ -38,6 +38,13 @@ class SceneSolver {
   /// Ends solves at this energy tolerance, whatever the user says, and verifies none. Collective.
   PetscErrorCode loosen(double energy_tolerance);
 
+  /// Makes it Newton's method: unfiltered, with full steps whatever they do to the energy, until
+  /// the residual has fallen to a share of that at the start, at most so many, and no more than the
+  /// user allows. It calls `follow` with `context` before each Hessian, as a monitor. Collective.
+  PetscErrorCode take_full_steps(PetscInt most, double residual_share,
+                                 PetscErrorCode (*follow)(SNES, PetscInt, PetscReal, void *),
+                                 void *context);
+
   /// Says what will solve its linear systems. Collective.
   PetscErrorCode expect(LinearSolver *solver) {
     return expect_linear_solver(snes_, scene_.hessian, solver);

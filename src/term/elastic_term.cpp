@@ -115,10 +115,23 @@ PetscErrorCode ElasticTerm::add_gradient(const double *u, double *gradient) cons
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+void ElasticTerm::hold_pressures(const double *u, const double *d) {
+  held_pressures_.resize(static_cast<std::size_t>(lanes * packs_->packs()));
+  materials_.for_each_run(0, packs_->packs(), [&](const MaterialRuns::Run &run) {
+    kernels_.pressures(*run.material, *packs_, run.first, run.count, u, d,
+                       held_pressures_.data() + lanes * run.first);
+  });
+}
+
 void ElasticTerm::hessians(PetscInt first, PetscInt count, const double *u, double *K) const {
   materials_.for_each_run(first, count, [&](const MaterialRuns::Run &run) {
-    kernels_.hessians(*run.material, *packs_, run.first, run.count, u,
-                      K + packs_->entries() * lanes * (run.first - first));
+    double *of_run = K + packs_->entries() * lanes * (run.first - first);
+    if (held_pressures_.empty()) {
+      kernels_.hessians(*run.material, *packs_, run.first, run.count, u, of_run);
+    } else {
+      kernels_.hessians_at_pressures(*run.material, *packs_, run.first, run.count, u,
+                                     held_pressures_.data() + lanes * run.first, of_run);
+    }
   });
 }
 

@@ -41,6 +41,13 @@ class ElasticTerm final : public Term, private PackedElements {
   /// body at rest stays: rest_energy() and stiffness().
   void exchange_materials(MaterialRuns &other) { std::swap(materials_, other); }
 
+  /// Hessians, in batches, have from now on pressures of the elements that are unknowns of their
+  /// own: those after a step d, linearised at u. Where elements have one.
+  /// @param u, d local arrays, 3 numbers a local vertex
+  void hold_pressures(const double *u, const double *d);
+  /// They have those at u again.
+  void release_pressures() { held_pressures_.clear(); }
+
   PetscErrorCode add_energy(const double *u, EnergySums *sums) const override;
   [[nodiscard]] double rest_energy() const override { return rest_energy_; }
   [[nodiscard]] double stiffness() const override { return stiffness_; }
@@ -76,7 +83,8 @@ class ElasticTerm final : public Term, private PackedElements {
   std::shared_ptr<const ElementPacks> packs_;
   ElementKernels kernels_;
   double stiffness_ = 0;
-  double rest_energy_ = 0;  ///< what the models leave out
+  double rest_energy_ = 0;              ///< what the models leave out
+  std::vector<double> held_pressures_;  ///< empty, or eight a pack
 };
 
 }  // namespace trefoil

@@ -274,6 +274,39 @@ class PressurePacksTest : public testing::TestWithParam<std::tuple<int, Instruct
   }
 };
 
+/// Pressures that are unknowns of their own: at u those of u, linear in the step, and all of the
+/// Hessian that they are in.
+TEST_P(PressurePacksTest, PressuresOfTheirOwn) {
+  constexpr double h = 1e-5;
+  const PetscInt packs = packs_.packs();
+  const std::vector<double> &u = heap_.u, none(u.size(), 0);
+  std::vector<double> d(u.size()), ahead(u), behind(u);
+  std::mt19937 random{11};
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  for (std::size_t k = 0; k < u.size(); ++k) {
+    d[k] = static_cast<int>(k % 3) < dim_ ? uniform(random) : 0;
+    ahead[k] += h * d[k], behind[k] -= h * d[k];
+  }
+  const auto pressures = [&](const std::vector<double> &at, const std::vector<double> &step) {
+    std::vector<double> p(static_cast<std::size_t>(packs * lanes));
+    kernels_.pressures(*model_, packs_, 0, packs, at.data(), step.data(), p.data());
+    return p;
+  };
+  const auto at_u = pressures(u, none), stepped = pressures(u, d), high = pressures(ahead, none),
+             low = pressures(behind, none);
+  for (std::size_t e = 0; e < static_cast<std::size_t>(count); ++e) {
+    const double slope = (high[e] - low[e]) / (2 * h);
+    EXPECT_NEAR(stepped[e] - at_u[e], slope, 1e-6 * (1 + std::abs(slope))) << e;
+  }
+  std::vector<double> K(static_cast<std::size_t>(packs * packs_.entries() * lanes));
+  std::vector<double> same(K.size()), other(K.size()), forces(u.size(), 0);
+  kernels_.hessians(*model_, packs_, 0, packs, u.data(), K.data());
+  kernels_.hessians_at_pressures(*model_, packs_, 0, packs, u.data(), at_u.data(), same.data());
+  EXPECT_EQ(K, same);
+  kernels_.hessians_at_pressures(*model_, packs_, 0, packs, u.data(), stepped.data(), other.data());
+  EXPECT_NE(K, other);
+}
+
 TEST_P(PressurePacksTest, EqualThePlainElement) {
   double sums[2] = {0, 0}, sum = 0;
   kernels_.energy(*model_, packs_, 0, packs_.packs(), heap_.u.data(), sums);
