@@ -46,14 +46,15 @@ PetscErrorCode check_constant(const SceneOptions &options, const Mesh &mesh,
 
 /// Of quadratic elements without it though a material is nearly incompressible.
 std::string warn_of_pointwise(const std::string &whole) {
-  return "quadratic elements lock a little, and their pressure is noise, where a material is "
-         "nearly "
-         "incompressible: " +
-         (whole.empty() ? "-snes_trefoil_space deformation filters each point on its own; without "
-                          "it elements have a pressure of their own"
-                        : whole +
-                              " has no volumetric part that elements could take on the mean; "
-                              "other materials have, such as stable_neo_hookean");
+  const std::string reason =
+      whole.empty() ? "-snes_trefoil_space deformation filters each point on its own; without it "
+                      "elements have a pressure of their own"
+                    : whole +
+                          " has no volumetric part that elements could take on the mean; others "
+                          "have, such as stable_neo_hookean";
+  return "quadratic elements lock a little, and their pressure is noise, where a "
+         "material is nearly incompressible: " +
+         reason;
 }
 
 }  // namespace
