@@ -155,20 +155,22 @@ PetscErrorCode check_direction(SNES snes, Rule &rule, const SearchMemory &memory
   *reason = SNES_CONVERGED_ITERATING;
   PetscCall(SNESGetKSP(snes, &ksp));
   PetscCall(status_of(ksp, rule, jacobian, memory, state, record, &status));
-  if (status == DirectionStatus::unsolved) {
-    PetscCall(solve_with_fresh_preconditioner(ksp, state, record));
-    PetscCall(status_of(ksp, rule, jacobian, memory, state, record, &status));
-  }
-  if (status == DirectionStatus::zero) {  // a tolerance that the first guess meets
-    bool refined = false;
-    PetscCall(refine_direction(ksp, state, record, &refined));
-    PetscCall(status_of(ksp, rule, jacobian, memory, state, record, &status));
-  }
-  while (status == DirectionStatus::indefinite) {
-    const std::optional<double> weight = rule.rejected(record.current);
-    if (!weight) break;
-    ++record.current.refused;
-    PetscCall(replace_direction(snes, ksp, *weight, jacobian, state, record));
+  for (bool is_fresh = false, is_refined = false; status != DirectionStatus::good;) {
+    if (status == DirectionStatus::unsolved && !is_fresh) {
+      is_fresh = true;
+      PetscCall(solve_with_fresh_preconditioner(ksp, state, record));
+    } else if (status == DirectionStatus::zero && !is_refined) {  // the first guess met a tolerance
+      bool refined = false;
+      is_refined = true;
+      PetscCall(refine_direction(ksp, state, record, &refined));
+    } else if (status == DirectionStatus::indefinite) {
+      const std::optional<double> weight = rule.rejected(record.current);
+      if (!weight) break;
+      ++record.current.refused;
+      PetscCall(replace_direction(snes, ksp, *weight, jacobian, state, record));
+    } else {
+      break;
+    }
     PetscCall(status_of(ksp, rule, jacobian, memory, state, record, &status));
   }
   switch (status) {

@@ -34,7 +34,7 @@ struct Solver {
   SolverOptions options;
   std::vector<std::string> idle_options;  ///< a sentence for each that has no effect
   std::unique_ptr<Rule> rule;
-  /// -snes_max_linear_solve_fail of before a rule that needs any number of them.
+  /// -snes_max_linear_solve_fail of before; the search decides what a failure ends.
   std::optional<PetscInt> linear_failures;
 
   SplitJacobian split_jacobian;
@@ -70,8 +70,9 @@ struct Solver {
   PetscErrorCode set_from_options();
   /// Makes the rule that the options name.
   PetscErrorCode make_rule();
-  /// Whether the SNES goes on after linear solves that fail: what a rule has an answer to is not
-  /// the end of the solve. The limit that it had is given back; one that the user gives stays.
+  /// Whether the SNES goes on after linear solves that fail: what a rule or a fresh preconditioner
+  /// has an answer to is not the end of the solve. The limit that it had is given back; one that
+  /// the user gives stays.
   PetscErrorCode allow_linear_failures(bool allowed);
   [[nodiscard]] bool uses_hessian() const { return options.search.proxy == TREFOIL_PROXY_HESSIAN; }
   /// The floor under filtered eigenvalues for a weight: the user's, else the rule's.

@@ -99,6 +99,18 @@ class HandWrittenElements(Host):
         self.assertFalse(self.stock(ELEMENTS, "")[0])
         self.same_on_one_and_two_ranks(ELEMENTS, "", 25)
 
+    def test_coarse_spaces_of_another_jacobian_are_made_anew(self):
+        """Smoothed aggregation keeps those of the first one, with which a later one may look
+        indefinite."""
+        for rule in ("newton_first", "clamp"):
+            for ranks in (1, 2):
+                with self.subTest(rule=rule, ranks=ranks):
+                    printed, _, _ = run(ELEMENTS, "-cells 4 -poisson 0.3 -stretch 2 -ksp_type cg -pc_type gamg "
+                                        f"{TREFOIL} -snes_trefoil_filter {rule}", ranks)
+                    converged, iterations, _ = outcome(printed)
+                    self.assertTrue(converged, printed)
+                    self.assertLess(iterations, 15)
+
     def test_every_way_of_insertion_is_the_same(self):
         expected = self.same_on_one_and_two_ranks(ELEMENTS, "", 25)
         for options in ("-blocked", "-mat_type baij", "-mat_type baij -blocked",
