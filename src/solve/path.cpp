@@ -81,9 +81,9 @@ PetscErrorCode Tries::save(SavedRun *run) const {
 
 PetscErrorCode Tries::go_on() {
   PetscFunctionBeginUser;
-  goes_on_ = true;
   PetscCall(checkpoint_.take([&](const Checkpoint::Json &numbers) {
     stage_ = static_cast<Stage>(numbers.at("stage").get<int>());
+    goes_on_ = stage_ == Stage::path || numbers.contains("search");
     bound_ = numbers.at("bound").is_null() ? INFINITY : numbers.at("bound").get<double>();
     attempt_ = attempt_of(numbers.at("leap"));
     leap_records_ = records_of(numbers.at("leap_records"));
@@ -163,7 +163,7 @@ PetscErrorCode Tries::leap_beside_path() {
   constexpr double same_end = 1e-8;  // as solves end, in units of the energy's scale
   EnergySums of_path, of_leap;
   PetscFunctionBeginUser;
-  if (!goes_on_) {
+  if (!end_of_path_) {
     stage_ = Stage::leap_beside_path;
     PetscCall(VecDuplicate(scene_.displacement, &end_of_path_));
     PetscCall(VecCopy(scene_.displacement, end_of_path_));
@@ -241,6 +241,11 @@ PetscErrorCode Tries::go() {
   checkpoint_.save_way([this](SavedRun *run) { return save(run); });
   if (checkpoint_.start()) {
     PetscCall(go_on());
+    if (!goes_on_) {  // a leap that was stopped while its start was made
+      leap_records_.clear();
+      PetscCall(start_leap());
+      checkpoint_.end_start();
+    }
   } else {
     PetscCall(make_start(scene_, outcome_));
     if (is_above(outcome_->inverted_at_start, hard_share, scene_)) {

@@ -39,18 +39,19 @@ PetscErrorCode PressureSteps::follow(SNES snes, PetscInt iteration, PetscReal, v
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode PressureSteps::solve(double head_start, const SolveOutcome &outcome,
-                                    Attempt *attempt) {
+PetscErrorCode PressureSteps::solve(double head_start, Checkpoint &checkpoint,
+                                    const SolveOutcome &outcome, Attempt *attempt) {
   SceneSolver solver(scene_);
   PetscFunctionBeginUser;
   PetscCall(solver.set_up(outcome, head_start));
+  PetscCall(solver.watch(checkpoint, false));
   PetscCall(solver.take_full_steps(most, fallen, follow, this));
   PetscCall(solver.solve(attempt));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode PressureSteps::take(double head_start, const SolveOutcome &outcome,
-                                   AttemptRecord *record) {
+PetscErrorCode PressureSteps::take(double head_start, Checkpoint &checkpoint,
+                                   const SolveOutcome &outcome, AttemptRecord *record) {
   Vec start = nullptr;
   EnergySums before, after;
   PetscInt64 inverted = 0;
@@ -62,7 +63,7 @@ PetscErrorCode PressureSteps::take(double head_start, const SolveOutcome &outcom
   PetscCall(VecCopy(scene_.displacement, start));
   PetscCall(scene_.functional->energy(start, &before));
   PetscCall(scene_.functional->count_inverted(start, &inverted));
-  PetscCall(solve(head_start, outcome, &attempt));
+  PetscCall(solve(head_start, checkpoint, outcome, &attempt));
   PetscCall(scene_.functional->energy(scene_.displacement, &after));
   const bool leads_on = after.energy < before.energy && attempt.inverted <= inverted;
   if (!leads_on) PetscCall(VecCopy(start, scene_.displacement));

@@ -29,11 +29,13 @@ class PressureSteps {
   /// turn elements round. After hold(). Collective.
   /// @param head_start seconds that went before
   /// @param record of the steps, as load step 1
-  PetscErrorCode take(double head_start, const SolveOutcome &outcome, AttemptRecord *record);
+  PetscErrorCode take(double head_start, Checkpoint &checkpoint, const SolveOutcome &outcome,
+                      AttemptRecord *record);
 
  private:
   static PetscErrorCode follow(SNES snes, PetscInt iteration, PetscReal norm, void *steps);
-  PetscErrorCode solve(double head_start, const SolveOutcome &outcome, Attempt *attempt);
+  PetscErrorCode solve(double head_start, Checkpoint &checkpoint, const SolveOutcome &outcome,
+                       Attempt *attempt);
 
   Scene &scene_;
   std::vector<double> last_;  ///< local displacements where pressures were held last

@@ -260,7 +260,7 @@ PetscErrorCode solve_from_start(Scene &scene, const AttemptOptions &options, Che
   EnergySums start;
   PetscFunctionBeginUser;
   PetscCall(solver.set_up(outcome, options.head_start));
-  if (options.is_saved) PetscCall(solver.watch(checkpoint, true));
+  PetscCall(solver.watch(checkpoint, options.is_saved));
   if (options.goes_on) {
     PetscCall(checkpoint.fetch("displacement", scene.displacement));
     PetscCall(solver.go_on(checkpoint));

@@ -80,7 +80,7 @@ struct AttemptOptions {
   bool may_fail = false;  ///< a start of infinite energy is a failure like others, not bad input
   double loose_tolerance = 0;  ///< > 0: see SceneSolver::loosen()
   bool goes_on = false;        ///< within a solve that was saved
-  bool is_saved = true;        ///< on its way
+  bool is_saved = true;        ///< as it stands on its way; else what was before it
   bool is_last = false;        ///< its end is saved
 };
 

@@ -89,7 +89,7 @@ PetscErrorCode soften_start(Scene &scene, double head_start, Checkpoint &checkpo
   }
   PetscCall(PetscTime(&end));
   AttemptRecord record;
-  PetscCall(steps.take(head_start + end - begin, *outcome, &record));
+  PetscCall(steps.take(head_start + end - begin, checkpoint, *outcome, &record));
   records->push_back(std::move(record));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -156,6 +156,22 @@ class Static(RestartTest):
             self.assertEqual(text.count("trefoil: stopped by SIGTERM; -restart run.ckpt goes on"), 1, text)
             self.same_end(whole, self.solve([*options, "-restart", "run.ckpt"], ranks))
 
+    def test_stopped_while_its_start_is_made(self):
+        """A softer body, and full steps from it, are begun anew."""
+        options = [*HARD, "-mesh_resolution", "5", "-order", "2", "-material_poisson", "0.4999",
+                   "-material_model", "neo_hookean", "-initial", "auto", "-checkpoint", "run.ckpt",
+                   "-constraint_high_move", "0.5, 0.2*y, 0"]
+        whole = self.solve(options)
+        for line, ranks in (("   1 ", 1), ("   1 ", 2), ("start: full steps", 1)):
+            os.remove(self.path("run.ckpt"))
+            with self.subTest(line=line, ranks=ranks):
+                status, text = self.interrupt(options, line, signal.SIGTERM, ranks)
+                self.assertEqual(status, 3, text)
+                self.assertNotIn("converged", text)
+                rest = self.solve([*options, "-restart", "run.ckpt"], ranks)
+                self.same_end(whole, rest)
+                self.assertEqual(rest["result"]["iterations"], whole["result"]["iterations"])
+
     def test_asked_for(self):
         """SIGUSR1 saves, and the run goes on."""
         options = [*HARD, "-mesh_resolution", "10", "-checkpoint", "run.ckpt"]
