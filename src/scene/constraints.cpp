@@ -168,40 +168,6 @@ void Constraints::turn_one(std::size_t which, HeldDofs *held) {
   }
 }
 
-/// Finds which moves are rigid: those of all components that do not depend on t.
-PetscErrorCode Constraints::find_rigid_moves() {
-  const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(mesh_->dm));
-  constexpr double rounding = 1e-9;
-  PetscFunctionBeginUser;
-  if (knows_rigid_moves_) PetscFunctionReturn(PETSC_SUCCESS);
-  knows_rigid_moves_ = true;
-  for (std::size_t which = 0; which < options_.size(); ++which) {
-    Move &move = moves_[which];
-    if (move.slides || move.formula->uses_time()) continue;
-    std::vector<double> from, to;
-    PetscMPIInt is_whole = 1;
-    double deviation = 0;
-    const std::string complaint = complaint_of([&] {
-      for (const PetscInt v : vertices_[which]) {
-        if (!mesh_->owned[static_cast<std::size_t>(v)]) continue;
-        std::vector<double> displacement = target(which, v, 1);
-        displacement.resize(3, 0);
-        for (std::size_t i = 0; i < 3; ++i) {
-          is_whole = is_whole && !Expression::is_free(displacement[i]);
-          from.push_back(mesh_->coordinates[static_cast<std::size_t>(3 * v) + i]);
-          to.push_back(from.back() + displacement[i]);
-        }
-      }
-    });
-    PetscCall(agree_on_complaint(comm, complaint));
-    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &is_whole, 1, MPI_INT, MPI_MIN, comm));
-    if (!is_whole) continue;
-    PetscCall(fit_rigid_motion(comm, from, to, &move.motion, &deviation));
-    move.is_rigid = deviation <= rounding * box_of(*mesh_).diagonal();
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode Constraints::warn_of_jumps() {
   const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(mesh_->dm));
   PetscFunctionBeginUser;
@@ -225,11 +191,6 @@ PetscErrorCode Constraints::warn_of_jumps() {
     warnings_.push_back(text.str());
   }
   PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-bool Constraints::move_in_time() const {
-  return std::any_of(moves_.begin(), moves_.end(),
-                     [](const Move &move) { return move.formula->uses_time(); });
 }
 
 PetscErrorCode Constraints::hold(double time, HeldDofs *held) {

@@ -32,6 +32,9 @@ class Constraints {
   PetscErrorCode warn_of_jumps();
   /// Whether any move depends on t.
   [[nodiscard]] bool move_in_time() const;
+  /// Whether a move that depends on t goes another way than the program would lead it to where it
+  /// ends: neither in proportion to t nor, where that is rigid, as a screw. Collective.
+  PetscErrorCode have_own_way(bool *own);
 
   /// Counts and areas; the reactions are not known here.
   [[nodiscard]] const std::vector<ConstraintReport> &reports() const { return reports_; }
@@ -51,6 +54,8 @@ class Constraints {
 
   [[nodiscard]] std::vector<double> target(std::size_t which, PetscInt vertex, double time) const;
   PetscErrorCode find_rigid_moves();
+  PetscErrorCode fit_end(std::size_t which, RigidMotion *motion, bool *is_rigid);
+  PetscErrorCode leaves_led_ways(std::size_t which, bool *leaves);
   void hold_one(std::size_t which, double time, HeldDofs *held);
   void turn_one(std::size_t which, HeldDofs *held);
   [[nodiscard]] std::array<double, 3> normal(std::size_t which, PetscInt vertex) const;

@@ -31,6 +31,8 @@ class LoadFormula {
     return evaluate(at, time, 1)[0];
   }
 
+  [[nodiscard]] bool uses_time() const { return expression_.uses_time(); }
+
  private:
   [[nodiscard]] std::vector<double> evaluate(const std::array<double, 3> &at, double time,
                                              std::size_t count) const {

@@ -41,6 +41,10 @@ class Loads {
   /// malformed formula is an error with one sentence on all ranks.
   PetscErrorCode forces(double time, std::vector<double> *forces);
 
+  /// Whether dead forces that are written in t do not grow in proportion to it. Facets that move
+  /// with t are left out. Collective.
+  PetscErrorCode have_own_way(bool *own);
+
   /// Counts and areas, and with them force and moment at time t on the body displaced by u, 3 a
   /// local vertex. Collective.
   PetscErrorCode report(double time, const double *u, std::vector<LoadReport> *reports);
@@ -73,6 +77,7 @@ class Loads {
     const Term *springs = nullptr;
   };
 
+  [[nodiscard]] bool are_written_in_time() const;
   PetscErrorCode choose_facets_of(Chosen *load, double time);
   PetscErrorCode check_potentials(const Chosen &load) const;
   std::unique_ptr<PressureTerm> make_pressure(const Chosen &load) const;

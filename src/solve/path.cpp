@@ -9,6 +9,7 @@
 
 #include "scene/body_materials.hpp"
 #include "solve/loose_path.hpp"
+#include "solve/path_choice.hpp"
 #include "solve/saved_numbers.hpp"
 #include "solve/soft_start.hpp"
 #include "solve/start.hpp"
@@ -39,6 +40,7 @@ class Tries {
 
   PetscErrorCode save(SavedRun *run) const;
   PetscErrorCode go_on();
+  PetscErrorCode begin();
   PetscErrorCode soften();
   PetscErrorCode start_leap();
   PetscErrorCode leap(bool may_fail, Attempt *end);
@@ -62,6 +64,7 @@ class Tries {
   Vec end_of_leap_ = nullptr;  ///< null: it was not tried before a path
   Vec end_of_path_ = nullptr;  ///< null: no leap is tried beside it
   bool path_counts_ = false;
+  bool has_own_way_ = false;  ///< written in t: where it leads cannot be told from its end
   std::vector<AttemptRecord> leap_records_, path_records_;
 };
 
@@ -154,7 +157,7 @@ PetscErrorCode Tries::return_to_leap() {
 /// A path that was taken at once and has ended with inverted elements: where volume is cheap, a
 /// leap from fitted rotations may end lower. Where it is dear it takes long, and does not.
 bool Tries::leap_may_be_lower() const {
-  return path_counts_ && attempt_.inverted > 0 && !end_of_leap_ &&
+  return path_counts_ && attempt_.inverted > 0 && !end_of_leap_ && !has_own_way_ &&
          !is_nearly_incompressible(scene_.options);
 }
 
@@ -235,9 +238,28 @@ void Tries::join() {
   outcome_->plugin_record = run.text();
 }
 
+/// At the start of a leap, or, where the scene is hard or has a way of its own, before a path.
+PetscErrorCode Tries::begin() {
+  PetscFunctionBeginUser;
+  if (has_own_way_) {
+    stage_ = Stage::path;
+    PetscCall(PetscPrintf(PetscObjectComm(reinterpret_cast<PetscObject>(scene_.mesh.dm)),
+                          "what is written in t goes a way of its own: it is followed\n"));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(make_start(scene_, outcome_));
+  if (is_above(outcome_->inverted_at_start, hard_share, scene_)) {
+    stage_ = Stage::path;
+  } else {
+    PetscCall(soften());
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode Tries::go() {
   PetscFunctionBeginUser;
   PetscCall(PetscTime(&begin_));
+  PetscCall(goes_own_way(scene_, &has_own_way_));
   checkpoint_.save_way([this](SavedRun *run) { return save(run); });
   if (checkpoint_.start()) {
     PetscCall(go_on());
@@ -247,12 +269,7 @@ PetscErrorCode Tries::go() {
       checkpoint_.end_start();
     }
   } else {
-    PetscCall(make_start(scene_, outcome_));
-    if (is_above(outcome_->inverted_at_start, hard_share, scene_)) {
-      stage_ = Stage::path;
-    } else {
-      PetscCall(soften());
-    }
+    PetscCall(begin());
   }
   if (stage_ == Stage::leap || stage_ == Stage::leap_behind_path) {
     PetscCall(leap(false, &attempt_));
@@ -267,17 +284,6 @@ PetscErrorCode Tries::go() {
 }
 
 }  // namespace
-
-PetscErrorCode may_take_path(const SceneOptions &options, bool *may) {
-  PetscFunctionBeginUser;
-  *may = options.initial == "auto";
-  for (const char *option : {"-load_steps", "-snes_type"}) {
-    PetscBool is_given = PETSC_FALSE;
-    PetscCall(PetscOptionsHasName(nullptr, nullptr, option, &is_given));
-    *may = *may && !is_given;
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
 
 PetscErrorCode solve_by_leap_or_path(Scene &scene, const StateObserver &observe,
                                      Checkpoint &checkpoint, SolveOutcome *outcome) {

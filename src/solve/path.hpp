@@ -4,15 +4,12 @@
 
 namespace trefoil {
 
-/// Whether a scene may be led on a path of the program's own accord: unless the user says from
-/// where (-initial other than auto), in what steps (-load_steps) or by what (-snes_type) it is
-/// solved. Collective.
-PetscErrorCode may_take_path(const SceneOptions &options, bool *may);
-
 /// Solves a scene in one leap from its starting guess or, where it is hard, on a path. A scene is
 /// hard where its guess has more than one element in two hundred inverted. Where the end of a leap
 /// has inverted elements the path is tried as well, and counts if its end is lower; and the leap
-/// where a path has such an end and no material is nearly incompressible.
+/// where a path has such an end and no material is nearly incompressible. What is written in t and
+/// goes another way than the program would lead it is followed, however hard it is: where it leads
+/// cannot be told from its end alone.
 ///
 /// A path leads from rest to the loads and displacements in a few steps, a third of the way each:
 /// all but the last are solved only as far as the next one needs. Where volume is dear, the minimum

@@ -10,6 +10,7 @@
 #include "solve/contact_path.hpp"
 #include "solve/load_steps.hpp"
 #include "solve/path.hpp"
+#include "solve/path_choice.hpp"
 #include "solve/run_record.hpp"
 #include "solve/saved_numbers.hpp"
 #include "solve/scene_solver.hpp"

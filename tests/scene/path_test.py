@@ -76,6 +76,50 @@ class HalfTurn(unittest.TestCase):
                          left["result"]["load_step_iterations"])
 
 
+def turn_in_time(degrees):
+    """A cube whose top turns about its axis, written in t."""
+    angle = f"{math.radians(degrees)}*t"
+    return [*ENDS, "-material_poisson", "0.495", "-constraint_low_move", "0, 0, 0",
+            "-constraint_high_move", f"(x-0.5)*(cos({angle})-1) - (y-0.5)*sin({angle}), "
+            f"(x-0.5)*sin({angle}) + (y-0.5)*(cos({angle})-1), 0"]
+
+
+class OwnWay(unittest.TestCase):
+    """What is written in t and goes another way than the program would lead it is followed."""
+
+    def test_of_a_turn_by_more_than_half(self):
+        for degrees in (270, 360):
+            with self.subTest(degrees=degrees):
+                scene = turn_in_time(degrees)
+                ours, loaded = record_of(scene), record_of([*scene, "-load_steps", "8"])
+                self.assertEqual(ours["status"], 0)
+                self.assertGreater(len(ours["steps"]), 2)
+                self.assertIn("a way of its own", ours["printed"])
+                self.assertAlmostEqual(above_rest(ours) / above_rest(loaded), 1, delta=1e-2)
+
+    def test_of_what_returns(self):
+        scene = [*ENDS, "-constraint_low_move", "0, 0, 0", "-constraint_high_move"]
+        there = record_of([*scene, "0, 0, 0.4*sin(_pi*t)"])
+        self.assertGreater(len(there["steps"]), 2)
+        self.assertLess(above_rest(there), 1e-9)
+
+    def test_of_a_load(self):
+        scene = [*BOX, "-constraints", "low", "-constraint_low_where", "z == zmin", "-loads", "pull",
+                 "-load_pull_where", "z == zmax", "-load_pull_traction"]
+        for traction, steps in (("0, 0, 10*t*t", 3), ("0, 0, 10*t", 1), ("0, 0, 10", 1)):
+            with self.subTest(traction=traction):
+                self.assertEqual(len(record_of([*scene, traction])["steps"]), steps)
+
+    def test_of_no_scene_that_the_program_would_lead_alike(self):
+        still = [*ENDS, "-constraint_low_move", "0, 0, 0", "-constraint_high_move"]
+        for scene in (turn_in_time(60), [*still, "0.1*t, 0, 0.2*z*t"],
+                      [*still, "free, 0.1*x*t, 0.2*t"]):
+            with self.subTest(move=scene[-1]):
+                record = record_of(scene)
+                self.assertEqual(len(record["steps"]), 1)
+                self.assertNotIn("path to", record["printed"])
+
+
 class Cut(unittest.TestCase):
     def test_is_halved_where_a_step_starts_at_infinite_energy(self):
         """Log J: the last third of half a turn is too far in one step."""

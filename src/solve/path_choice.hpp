@@ -1,0 +1,16 @@
+#pragma once
+
+#include "scene/scene.hpp"
+
+namespace trefoil {
+
+/// Whether a scene may be led on a path of the program's own accord: unless the user says from
+/// where (-initial other than auto), in what steps (-load_steps) or by what (-snes_type) it is
+/// solved. Collective.
+PetscErrorCode may_take_path(const SceneOptions &options, bool *may);
+
+/// Whether what is written in t goes another way than the program would lead it, so that its end
+/// alone does not say where it leads. Collective.
+PetscErrorCode goes_own_way(Scene &scene, bool *own);
+
+}  // namespace trefoil
