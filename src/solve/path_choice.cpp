@@ -1,17 +1,18 @@
 #include "solve/path_choice.hpp"
 
 #include "support/petsc_compatibility.hpp"
+#include "trefoil.h"
 
 namespace trefoil {
 
 PetscErrorCode may_take_path(const SceneOptions &options, bool *may) {
+  PetscBool has_steps = PETSC_FALSE, has_type = PETSC_FALSE, is_ours = PETSC_FALSE;
+  char type[256];
   PetscFunctionBeginUser;
-  *may = options.initial == "auto";
-  for (const char *option : {"-load_steps", "-snes_type"}) {
-    PetscBool is_given = PETSC_FALSE;
-    PetscCall(PetscOptionsHasName(nullptr, nullptr, option, &is_given));
-    *may = *may && !is_given;
-  }
+  PetscCall(PetscOptionsHasName(nullptr, nullptr, "-load_steps", &has_steps));
+  PetscCall(PetscOptionsGetString(nullptr, nullptr, "-snes_type", type, sizeof type, &has_type));
+  if (has_type) PetscCall(PetscStrcmp(type, SNESTREFOIL, &is_ours));
+  *may = options.initial == "auto" && !has_steps && (!has_type || is_ours);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

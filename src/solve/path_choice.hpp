@@ -5,8 +5,8 @@
 namespace trefoil {
 
 /// Whether a scene may be led on a path of the program's own accord: unless the user says from
-/// where (-initial other than auto), in what steps (-load_steps) or by what (-snes_type) it is
-/// solved. Collective.
+/// where (-initial other than auto), in what steps (-load_steps) or by what other than ours
+/// (-snes_type) it is solved. Collective.
 PetscErrorCode may_take_path(const SceneOptions &options, bool *may);
 
 /// Whether what is written in t goes another way than the program would lead it, so that its end

@@ -70,10 +70,13 @@ class HalfTurn(unittest.TestCase):
                 self.assertNotIn("load_step_iterations", record["result"])
                 self.assertNotIn("path to", record["printed"])
 
-    def test_auto_is_what_is_done_without(self):
-        given, left = record_of([*HALF_TURN, "-initial", "auto"]), record_of(HALF_TURN)
-        self.assertEqual(given["result"]["load_step_iterations"],
-                         left["result"]["load_step_iterations"])
+    def test_defaults_written_out_change_nothing(self):
+        left = record_of(HALF_TURN)
+        for option in (["-initial", "auto"], ["-snes_type", "trefoil"]):
+            with self.subTest(option=option):
+                given = record_of([*HALF_TURN, *option])
+                self.assertEqual(given["result"].get("load_step_iterations"),
+                                 left["result"]["load_step_iterations"])
 
 
 def turn_in_time(degrees):
