@@ -59,14 +59,15 @@ bool Constraints::move_in_time() const {
                      [](const Move &move) { return move.formula->uses_time(); });
 }
 
-/// Whether a move that depends on t is, somewhere between its ends, off both ways on which the
-/// program would lead it.
+/// Whether a move that depends on t is, somewhere between its ends, far off both ways on which the
+/// program would lead it. One that only hurries or lingers is not: t^2 is .25 off t.
 PetscErrorCode Constraints::leaves_led_ways(std::size_t which, bool *leaves) {
   const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(mesh_->dm));
-  constexpr int parts = 24;  // as many as a path has steps at the most
+  constexpr int parts = 24;      // as many as a path has steps at the most
+  constexpr double alike = 0.3;  // of how far the way leads
   bool is_rigid = false;
   RigidMotion motion;
-  double off[2] = {0, 0};  // a way in proportion to t, and a screw
+  double off[3] = {0, 0, 0};  // a way in proportion to t, and a screw; how far the move goes
   PetscFunctionBeginUser;
   PetscCall(fit_end(which, &motion, &is_rigid));
   const auto follow = [&](PetscInt v) {
@@ -80,6 +81,7 @@ PetscErrorCode Constraints::leaves_led_ways(std::size_t which, bool *leaves) {
         if (Expression::is_free(here[i]) || Expression::is_free(end[i])) continue;
         off[0] = std::max(off[0], std::abs(here[i] - time * end[i]));
         off[1] = std::max(off[1], std::abs(here[i] - (turned[i] - place[i])));
+        off[2] = std::max({off[2], std::abs(here[i]), std::abs(end[i])});
       }
     }
   };
@@ -87,9 +89,9 @@ PetscErrorCode Constraints::leaves_led_ways(std::size_t which, bool *leaves) {
     for (const PetscInt v : vertices_[which]) follow(v);
   });
   PetscCall(agree_on_complaint(comm, complaint));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, off, 2, MPI_DOUBLE, MPI_MAX, comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, off, 3, MPI_DOUBLE, MPI_MAX, comm));
   const double least = is_rigid ? std::min(off[0], off[1]) : off[0];
-  *leaves = least > rounding * box_of(*mesh_).diagonal();
+  *leaves = least > std::max(alike * off[2], rounding * box_of(*mesh_).diagonal());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -32,8 +32,8 @@ class Constraints {
   PetscErrorCode warn_of_jumps();
   /// Whether any move depends on t.
   [[nodiscard]] bool move_in_time() const;
-  /// Whether a move that depends on t goes another way than the program would lead it to where it
-  /// ends: neither in proportion to t nor, where that is rigid, as a screw. Collective.
+  /// Whether a move that depends on t goes quite another way than the program would lead it to
+  /// where it ends: not about in proportion to t nor, where that is rigid, as a screw. Collective.
   PetscErrorCode have_own_way(bool *own);
 
   /// Counts and areas; the reactions are not known here.

@@ -21,9 +21,9 @@ bool Loads::are_written_in_time() const {
 
 PetscErrorCode Loads::have_own_way(bool *own) {
   const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(mesh_->dm));
-  constexpr double rounding = 1e-9;
+  constexpr double alike = 0.3;  // of the largest force, as with moves
   std::vector<double> end, here;
-  double sizes[2] = {0, 0};  // of the forces at the end, and of what they are off on the way
+  double sizes[2] = {0, 0};  // of the forces, and of what they are off on the way
   bool written = false;
   PetscFunctionBeginUser;
   *own = false;
@@ -36,12 +36,12 @@ PetscErrorCode Loads::have_own_way(bool *own) {
   for (const double time : {1. / 3, 2. / 3}) {
     PetscCall(forces(time, &here));
     for (std::size_t k = 0; k < end.size(); ++k) {
-      sizes[0] = std::max(sizes[0], std::abs(end[k]));
+      sizes[0] = std::max({sizes[0], std::abs(end[k]), std::abs(here[k])});
       sizes[1] = std::max(sizes[1], std::abs(here[k] - time * end[k]));
     }
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sizes, 2, MPI_DOUBLE, MPI_MAX, comm));
-  *own = sizes[1] > rounding * sizes[0];
+  *own = sizes[1] > alike * sizes[0];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -109,13 +109,14 @@ class OwnWay(unittest.TestCase):
     def test_of_a_load(self):
         scene = [*BOX, "-constraints", "low", "-constraint_low_where", "z == zmin", "-loads", "pull",
                  "-load_pull_where", "z == zmax", "-load_pull_traction"]
-        for traction, steps in (("0, 0, 10*t*t", 3), ("0, 0, 10*t", 1), ("0, 0, 10", 1)):
+        for traction, steps in (("0, 0, 10*t + 40*t*(1-t)", 3), ("0, 0, 10*t*t", 1), ("0, 0, 10*t", 1),
+                                ("0, 0, 10", 1)):
             with self.subTest(traction=traction):
                 self.assertEqual(len(record_of([*scene, traction])["steps"]), steps)
 
     def test_of_no_scene_that_the_program_would_lead_alike(self):
         still = [*ENDS, "-constraint_low_move", "0, 0, 0", "-constraint_high_move"]
-        for scene in (turn_in_time(60), [*still, "0.1*t, 0, 0.2*z*t"],
+        for scene in (turn_in_time(60), [*still, "0.1*t, 0, 0.2*z*t"], [*still, "0.1*sin(_pi/2*t), 0, 0.2*t*t"],
                       [*still, "free, 0.1*x*t, 0.2*t"]):
             with self.subTest(move=scene[-1]):
                 record = record_of(scene)
