@@ -41,8 +41,8 @@ class Loads {
   /// malformed formula is an error with one sentence on all ranks.
   PetscErrorCode forces(double time, std::vector<double> *forces);
 
-  /// Whether dead forces that are written in t do not grow about in proportion to it. Facets that move
-  /// with t are left out. Collective.
+  /// Whether dead forces that are written in t do not grow about in proportion to it. Facets that
+  /// move with t are left out. Collective.
   PetscErrorCode have_own_way(bool *own);
 
   /// Counts and areas, and with them force and moment at time t on the body displaced by u, 3 a
