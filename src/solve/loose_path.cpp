@@ -71,6 +71,18 @@ PetscErrorCode LoosePath::leads_below(double bound, Attempt *attempt, bool *belo
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/// Where the user has allowed no more iterations: shorter steps would take more.
+PetscErrorCode LoosePath::give_up(double time, Attempt *end) {
+  std::ostringstream text;
+  PetscFunctionBeginUser;
+  PetscCall(path_.go_back());
+  text << "the path ends at t = " << sizes_.time() << ": the step to t = " << time
+       << " takes more iterations than -snes_max_it allows each";
+  end->reason = text.str();
+  PetscCall(PetscPrintf(comm_, "%s\n", end->reason.c_str()));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode LoosePath::halve(double time, const Attempt &attempt, bool *goes_on) {
   std::ostringstream text;
   PetscFunctionBeginUser;
@@ -121,6 +133,10 @@ PetscErrorCode LoosePath::go(const StateObserver &observe, double bound, Attempt
       is_folded = !end->converged;
     }
     if (!is_folded) PetscCall(solve(time < 1 ? loose : 0, end));
+    if (end->is_cut_short) {
+      PetscCall(give_up(time, end));
+      break;
+    }
     if (!end->converged) {
       has_led_below_ = false;
       PetscCall(halve(time, *end, &goes_on));

@@ -27,12 +27,15 @@ class LoosePath {
 
   /// From any displacement.
   /// @param bound the path is given up where its end is nearly reached and not below this energy
-  /// @param end how the last solve went; it converged if the path has arrived
+  /// @param end how the last solve went; it converged if the path has arrived. A solve that
+  /// -snes_max_it has cut short ends the path
   PetscErrorCode go(const StateObserver &observe, double bound, Attempt *end);
   /// Adds where it is to what is saved, and goes on from there. Collective.
   PetscErrorCode save(SavedRun *run) const;
   PetscErrorCode go_on();
   [[nodiscard]] bool has_arrived() const { return sizes_.is_done(); }
+  /// Where the last state is that stands.
+  [[nodiscard]] double time() const { return sizes_.time(); }
   [[nodiscard]] const std::vector<AttemptRecord> &records() const { return records_; }
 
  private:
@@ -41,6 +44,7 @@ class LoosePath {
   PetscErrorCode start(double time, Attempt *attempt, bool *is_folded);
   PetscErrorCode solve(double tolerance, Attempt *attempt);
   PetscErrorCode leads_below(double bound, Attempt *attempt, bool *below);
+  PetscErrorCode give_up(double time, Attempt *end);
   PetscErrorCode halve(double time, const Attempt &attempt, bool *goes_on);
   void record(const Attempt &attempt, bool is_rejected);
 

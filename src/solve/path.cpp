@@ -18,8 +18,6 @@
 namespace trefoil {
 namespace {
 
-constexpr double hard_share = 0.005;  // of the elements: inverted by the guess of a leap
-
 /// A leap, a path, or both.
 class Tries {
  public:
@@ -41,6 +39,10 @@ class Tries {
   PetscErrorCode save(SavedRun *run) const;
   PetscErrorCode go_on();
   PetscErrorCode begin();
+  PetscErrorCode say(const char *what) const {
+    return PetscPrintf(PetscObjectComm(reinterpret_cast<PetscObject>(scene_.mesh.dm)), "%s\n",
+                       what);
+  }
   PetscErrorCode soften();
   PetscErrorCode start_leap();
   PetscErrorCode leap(bool may_fail, Attempt *end);
@@ -146,8 +148,11 @@ PetscErrorCode Tries::return_to_leap() {
   if (end_of_leap_) {
     PetscCall(LoadPath(scene_).set_time(1));
     PetscCall(VecCopy(end_of_leap_, scene_.displacement));
+    PetscCall(say("the end of the leap, which came first, counts"));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
+  PetscCall(say(has_own_way_ ? "no path: a leap instead, which follows nothing that is written in t"
+                             : "no path: a leap instead, whose end counts"));
   stage_ = Stage::leap_behind_path;
   PetscCall(start_leap());
   PetscCall(leap(false, &attempt_));
@@ -157,8 +162,8 @@ PetscErrorCode Tries::return_to_leap() {
 /// A path that was taken at once and has ended with inverted elements: where volume is cheap, a
 /// leap from fitted rotations may end lower. Where it is dear it takes long, and does not.
 bool Tries::leap_may_be_lower() const {
-  return path_counts_ && attempt_.inverted > 0 && !end_of_leap_ && !has_own_way_ &&
-         !is_nearly_incompressible(scene_.options);
+  return path_counts_ && attempt_.converged && attempt_.inverted > 0 && !end_of_leap_ &&
+         !has_own_way_ && !is_nearly_incompressible(scene_.options);
 }
 
 PetscErrorCode Tries::leap_beside_path() {
@@ -170,8 +175,7 @@ PetscErrorCode Tries::leap_beside_path() {
     stage_ = Stage::leap_beside_path;
     PetscCall(VecDuplicate(scene_.displacement, &end_of_path_));
     PetscCall(VecCopy(scene_.displacement, end_of_path_));
-    PetscCall(PetscPrintf(PetscObjectComm(reinterpret_cast<PetscObject>(scene_.mesh.dm)),
-                          "the path ends with inverted elements: a leap, too\n"));
+    PetscCall(say("the path ends with inverted elements: a leap, too"));
     PetscCall(start_leap());
   }
   PetscCall(leap(true, &leap_end));
@@ -182,7 +186,9 @@ PetscErrorCode Tries::leap_beside_path() {
     path_counts_ = false;
     outcome_->path_is_rejected = true;
     outcome_->path_halvings = 0;
+    PetscCall(say("the leap ends below the path, which came first: it counts"));
   } else {
+    PetscCall(say("the end of the path, which came first, counts"));
     PetscCall(VecCopy(end_of_path_, scene_.displacement));
     outcome_->linear_solver = attempt_.linear_solver;
   }
@@ -210,12 +216,19 @@ PetscErrorCode Tries::take_path() {
     PetscCall(path_->go_on());
   } else {
     PetscCall(find_bound());
+    if (end_of_leap_) PetscCall(say("the leap ends with inverted elements: a path, too"));
   }
   PetscCall(path_->go(observe_, bound_, &end));
   path_records_ = path_->records();
-  path_counts_ = path_->has_arrived();
+  const bool is_cut_short = end.is_cut_short && !end_of_leap_;
+  path_counts_ = path_->has_arrived() || is_cut_short;
+  if (is_cut_short) {
+    outcome_->time = path_->time();
+    outcome_->failure = end.reason;
+  }
   path_.reset();
   if (path_counts_) {
+    if (end_of_leap_) PetscCall(say("the path ends below the leap, which came first: it counts"));
     attempt_ = end;
   } else {
     outcome_->path_is_rejected = true;
@@ -228,27 +241,17 @@ PetscErrorCode Tries::take_path() {
 /// One record, in which what counts comes last.
 void Tries::join() {
   RunRecord run("load_step");
-  const auto add = [&](const std::vector<AttemptRecord> &records, bool counts) {
-    for (const AttemptRecord &record : records) {
-      run.add(record.json, record.load_step, record.is_rejected || !counts);
-    }
-  };
-  add(path_counts_ ? leap_records_ : path_records_, false);
-  add(path_counts_ ? path_records_ : leap_records_, true);
+  run.add(path_counts_ ? leap_records_ : path_records_, false);
+  run.add(path_counts_ ? path_records_ : leap_records_, true);
   outcome_->plugin_record = run.text();
 }
 
 /// At the start of a leap, or, where the scene is hard or has a way of its own, before a path.
 PetscErrorCode Tries::begin() {
   PetscFunctionBeginUser;
-  if (has_own_way_) {
-    stage_ = Stage::path;
-    PetscCall(PetscPrintf(PetscObjectComm(reinterpret_cast<PetscObject>(scene_.mesh.dm)),
-                          "what is written in t goes a way of its own: it is followed\n"));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  PetscCall(make_start(scene_, outcome_));
-  if (is_above(outcome_->inverted_at_start, hard_share, scene_)) {
+  PetscCall(has_own_way_ ? say("what is written in t goes a way of its own: it is followed")
+                         : make_start(scene_, outcome_));
+  if (has_own_way_ || is_hard(outcome_->inverted_at_start, scene_)) {
     stage_ = Stage::path;
   } else {
     PetscCall(soften());

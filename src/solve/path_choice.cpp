@@ -1,5 +1,6 @@
 #include "solve/path_choice.hpp"
 
+#include "solve/loose_path.hpp"
 #include "support/petsc_compatibility.hpp"
 #include "trefoil.h"
 
@@ -14,6 +15,11 @@ PetscErrorCode may_take_path(const SceneOptions &options, bool *may) {
   if (has_type) PetscCall(PetscStrcmp(type, SNESTREFOIL, &is_ours));
   *may = options.initial == "auto" && !has_steps && (!has_type || is_ours);
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+bool is_hard(PetscInt64 inverted_at_start, const Scene &scene) {
+  constexpr double hard_share = 0.005;
+  return is_above(inverted_at_start, hard_share, scene);
 }
 
 PetscErrorCode goes_own_way(Scene &scene, bool *own) {

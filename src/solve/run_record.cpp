@@ -38,6 +38,12 @@ void RunRecord::add(const std::string &text, int number, bool is_rejected) {
   last_ = std::move(record);
 }
 
+void RunRecord::add(const std::vector<AttemptRecord> &records, bool count) {
+  for (const AttemptRecord &record : records) {
+    add(record.json, record.load_step, record.is_rejected || !count);
+  }
+}
+
 RunRecord::Json RunRecord::save() const {
   return {{"only", only_},
           {"solves", solves_},

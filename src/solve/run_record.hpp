@@ -27,6 +27,8 @@ class RunRecord {
   /// @param number of the step, from 1; 0: of a softer body, whose energy is another
   /// @param is_rejected the solve failed, or its end was not taken
   void add(const std::string &record, int number, bool is_rejected);
+  /// @param count whether what was reached in them was taken
+  void add(const std::vector<AttemptRecord> &records, bool count);
   /// JSON; empty where nothing was added.
   [[nodiscard]] std::string text() const;
 

@@ -221,6 +221,7 @@ PetscErrorCode SceneSolver::solve(Attempt *attempt) {
   PetscCall(describe_linear_solver(snes_, &linear));
   attempt->linear_solver = linear.text;
   attempt->converged = reason > 0;
+  attempt->is_cut_short = reason == SNES_DIVERGED_MAX_IT;
   attempt->record = record;
   const auto json = nlohmann::json::parse(attempt->record, nullptr, false);
   PetscCheck(json.is_object(), comm, PETSC_ERR_PLIB, "the solver left no record");

@@ -14,8 +14,9 @@ namespace trefoil {
 struct Attempt {
   bool converged = false;
   PetscInt iterations = 0;
-  PetscInt64 inverted = 0;   ///< elements, at its end
-  bool is_hopeless = false;  ///< a shorter step would end in the same way
+  PetscInt64 inverted = 0;    ///< elements, at its end
+  bool is_hopeless = false;   ///< a shorter step would end in the same way
+  bool is_cut_short = false;  ///< by -snes_max_it
   std::string record, reason, linear_solver;
 };
 

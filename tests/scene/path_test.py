@@ -135,6 +135,17 @@ class Cut(unittest.TestCase):
         self.assertEqual(record["result"]["inverted"], 0)
 
 
+    def test_iterations_that_are_not_allowed_end_it_at_once(self):
+        record = record_of([*HALF_TURN, "-snes_max_it", "1"])
+        self.assertNotEqual(record["status"], 0)
+        self.assertNotIn("halved", record["printed"])
+        self.assertNotIn("other equilibria", record["printed"])
+        self.assertFalse(record["result"]["converged"])
+        self.assertIn("-snes_max_it", record["result"]["reason"])
+        self.assertEqual(record["result"]["iterations"], 1)
+        self.assertLess(record["result"]["t"], 1)
+
+
 class Mild(unittest.TestCase):
     def test_takes_no_more_steps_than_newton(self):
         """One leap, and no more of its steps than Newton's method needs to come as far."""
@@ -165,6 +176,7 @@ class HardEnd(unittest.TestCase):
         leap = record_of([*scene, "-initial", "arap"])
         self.assertGreater(leap["result"]["inverted"], 0)
         self.assertIn("path to", record["printed"])
+        self.assertIn("the end of the leap, which came first, counts", record["printed"])
         self.assertLessEqual(above_rest(record), above_rest(leap) * (1 + 1e-6))
         self.assertGreater(record["result"]["iterations"], leap["result"]["iterations"])
         self.assertGreater(record["result"]["inverted"], 0)
@@ -201,6 +213,7 @@ class FoldedPath(unittest.TestCase):
         record, leap = self.ends(130)
         self.assertLess(above_rest(record), above_rest(leap) * (1 + 1e-9))
         self.assertFalse(any("rejected" in step for step in record["steps"]))
+        self.assertIn("the end of the path, which came first, counts", record["printed"])
         self.assertEqual(record["result"]["iterations"], leap["result"]["iterations"]
                          + sum(step["iterations"] for step in record["steps"]))
 
@@ -208,6 +221,7 @@ class FoldedPath(unittest.TestCase):
         for ranks in (1, 2):
             record, leap = self.ends(160, ranks)
             self.assertAlmostEqual(above_rest(record), above_rest(leap), delta=1e-6)
+            self.assertIn("the leap ends below the path, which came first", record["printed"])
             self.assertEqual(record["steps"][-1]["iterations"], leap["result"]["iterations"])
             self.assertTrue(all(step["rejected"] for step in record["steps"][:-1]))
 
