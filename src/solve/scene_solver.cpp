@@ -140,7 +140,7 @@ PetscErrorCode SceneSolver::take_full_steps(PetscInt most, double residual_share
   PetscFunctionBeginUser;
   PetscCall(SNESSetType(snes_, SNESNEWTONLS));
   PetscCall(SNESGetLineSearch(snes_, &search));
-  PetscCall(SNESLineSearchSetType(search, SNESLINESEARCHBASIC));
+  PetscCall(SNESLineSearchSetType(search, "basic"));  // the constant has another name in 3.25
   PetscCall(TrefoilSNESSetFilter(snes_, "newton"));
   PetscCall(SNESGetTolerances(snes_, nullptr, nullptr, nullptr, &iterations, &functions));
   PetscCall(SNESSetTolerances(snes_, 0, residual_share, 0, std::min(most, iterations), functions));
