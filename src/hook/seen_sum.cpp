@@ -6,26 +6,13 @@
 
 #include "support/petsc_compatibility.hpp"
 #include "support/real_dot.hpp"
+#include "support/split_mix.hpp"
 
 namespace trefoil {
 namespace {
 
 /// Differences below this share of the terms are rounding.
 constexpr double rounding = 1e-10;
-
-/// The finaliser of SplitMix64 (Steele, Lea and Flood 2014, "Fast splittable pseudorandom number
-/// generators"): neighbours get numbers that have nothing to do with each other.
-std::uint64_t mixed(std::uint64_t i) {
-  i += 0x9e3779b97f4a7c15U;
-  i = (i ^ (i >> 30)) * 0xbf58476d1ce4e5b9U;
-  i = (i ^ (i >> 27)) * 0x94d049bb133111ebU;
-  return i ^ (i >> 31);
-}
-
-/// Between -1 and 1.
-double random_number(PetscInt i) {
-  return std::ldexp(static_cast<double>(mixed(static_cast<std::uint64_t>(i)) >> 11), -52) - 1;
-}
 
 }  // namespace
 

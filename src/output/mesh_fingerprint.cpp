@@ -3,22 +3,10 @@
 #include <cmath>
 
 #include "support/petsc_compatibility.hpp"
+#include "support/split_mix.hpp"
 
 namespace trefoil {
 namespace {
-
-/// SplitMix64 [Steele, Lea, Flood 2014]: neighbouring numbers become unlike ones.
-std::uint64_t mixed(std::uint64_t z) {
-  z += 0x9e3779b97f4a7c15;
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111eb;
-  return z ^ (z >> 31);
-}
-
-/// Of a vertex, in [-1, 1].
-double weight_of(PetscInt number) {
-  return std::ldexp(static_cast<double>(mixed(static_cast<std::uint64_t>(number)) >> 11), -52) - 1;
-}
 
 std::uint64_t hash_of_cells(const Mesh &mesh) {
   const auto nodes = static_cast<std::size_t>(mesh.nodes_per_cell());
@@ -46,7 +34,7 @@ PetscErrorCode MeshFingerprint::take(const Mesh &mesh) {
   connectivity = hash_of_cells(mesh);
   for (std::size_t v = 0; v < mesh.owned.size(); ++v) {
     if (!mesh.owned[v]) continue;
-    const double weight = weight_of(mesh.vertex_number[v]);
+    const double weight = random_number(mesh.vertex_number[v]);
     for (std::size_t i = 0; i < 3; ++i) {
       const double x = mesh.coordinates[3 * v + i];
       sums[i] += weight * x;
