@@ -101,7 +101,6 @@ PetscErrorCode SceneSolver::set_up(const SolveOutcome &outcome, double head_star
   if (scene_.motion) PetscCall(set_time_defaults(snes_));
   PetscCall(SNESSetFromOptions(snes_));
   PetscCall(check_solver(snes_));
-  PetscCall(set_answer_to_linear_failures(snes_));
   if (scene_.motion) PetscCall(set_time_tests_of_others(snes_));
   PetscCall(TrefoilSNESSetFromOptions(snes_));     // also where another type does not read them
   PetscCall(TrefoilSNESSetRecordFile(snes_, ""));  // the program writes it, completed

@@ -61,16 +61,6 @@ static PetscErrorCode is_ours(SNES snes, bool *ours) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode set_answer_to_linear_failures(SNES snes) {
-  PetscBool is_given = PETSC_FALSE;
-  bool ours = false;
-  PetscFunctionBeginUser;
-  PetscCall(is_ours(snes, &ours));
-  PetscCall(PetscOptionsHasName(nullptr, nullptr, "-snes_max_linear_solve_fail", &is_given));
-  if (ours && !is_given) PetscCall(SNESSetMaxLinearSolveFailures(snes, PETSC_MAX_INT));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode set_time_tests_of_others(SNES snes) {
   constexpr PetscReal residual = 1e-8, step = 1e-12;
   PetscReal absolute = 0, relative = 0, least_step = 0;

@@ -13,9 +13,6 @@ PetscErrorCode set_defaults(SNES snes);
 /// Then of steps in time: each starts where the last one ended, near its own end, and a direction
 /// that is small enough is followed all the same.
 PetscErrorCode set_time_defaults(SNES snes);
-/// After SNESSetFromOptions(): linear solves that fail are left to our search, which tries once
-/// more with a new set-up and says why that failed as well; the SNES would end at once.
-PetscErrorCode set_answer_to_linear_failures(SNES snes);
 /// After SNESSetFromOptions(): SNES types and line searches that know nothing of our tests end a
 /// step in time by the residual, against that at its start, or by steps that are nothing beside
 /// what the body has moved.
